@@ -1,0 +1,2 @@
+//! How light scatters at a point.
+#![forbid(unsafe_code)]

@@ -1,0 +1,23 @@
+//! What is in the world, as plain data: geometry, instances, camera, lights, environment, textures, materials.
+//!
+//! Frame: right-handed, +Y up, a camera looks down its −Z, metres; UV origin top-left (all as in glTF 2.0).
+//! Indices between parts (an instance's mesh, a texture's image …) are plain `u32` into the [`Scene`]'s vectors;
+//! [`Scene::validate`] checks them all once, so that no one after it has to.
+#![forbid(unsafe_code)]
+
+mod camera;
+mod environment;
+mod light;
+mod material;
+mod mesh;
+mod texture;
+
+pub use camera::{Camera, Projection};
+pub use environment::Environment;
+pub use light::{Light, LightKind};
+pub use material::{AlphaMode, Material, NormalTexture};
+pub use mesh::{Instance, Mesh};
+pub use texture::{Filter, Sampler, Texture, TextureRef, Wrap};
+
+mod scene;
+pub use scene::{Bounds, InvalidScene, Scene};

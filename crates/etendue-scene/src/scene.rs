@@ -1,0 +1,157 @@
+//! The scene: every part in one place, and the check that they fit together.
+
+use crate::{Camera, Environment, Instance, Light, Material, Mesh, Texture};
+use etendue_image::Image;
+use glam::Vec3A;
+use std::sync::Arc;
+
+/// All that a renderer needs to know of the world.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// Geometry in its own space; see [`Mesh`].
+    pub meshes: Vec<Mesh>,
+    /// Where meshes stand in the world, and of what they are made.
+    pub instances: Vec<Instance>,
+    /// Surfaces. An instance without one gets [`Material::default`].
+    pub materials: Vec<Material>,
+    /// Images with the way they are sampled.
+    pub textures: Vec<Texture>,
+    /// Decoded pictures, shared.
+    pub images: Vec<Arc<Image>>,
+    /// Point, spot and directional lights.
+    pub lights: Vec<Light>,
+    /// Cameras that the file brought along; may be empty.
+    pub cameras: Vec<Camera>,
+    /// Light from infinitely far away.
+    pub environment: Environment,
+}
+
+/// An axis-aligned box; empty when `min > max`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Smallest corner.
+    pub min: Vec3A,
+    /// Largest corner.
+    pub max: Vec3A,
+}
+
+impl Bounds {
+    /// The box that holds nothing.
+    pub const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+
+    /// Grows the box to hold `p`.
+    #[inline]
+    pub fn include(&mut self, p: Vec3A) {
+        self.min = self.min.min(p);
+        self.max = self.max.max(p);
+    }
+
+    /// The smallest box that holds both.
+    #[inline]
+    pub fn union(self, o: Self) -> Self {
+        Self { min: self.min.min(o.min), max: self.max.max(o.max) }
+    }
+
+    /// True if the box holds nothing.
+    pub fn is_empty(&self) -> bool {
+        !self.min.cmple(self.max).all()
+    }
+
+    /// Middle of the box.
+    pub fn center(&self) -> Vec3A {
+        (self.min + self.max) * 0.5
+    }
+
+    /// Length of the box's diagonal; 0 if empty.
+    pub fn diagonal(&self) -> f32 {
+        if self.is_empty() { 0.0 } else { (self.max - self.min).length() }
+    }
+}
+
+/// Why a scene does not hold together.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InvalidScene(pub String);
+
+impl std::fmt::Display for InvalidScene {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+impl std::error::Error for InvalidScene {}
+
+impl Scene {
+    /// Number of triangles as rendered: each instance counts its mesh's.
+    pub fn triangle_count(&self) -> u64 {
+        self.instances.iter().map(|i| self.meshes[i.mesh as usize].indices.len() as u64).sum()
+    }
+
+    /// World-space box around all instances.
+    pub fn bounds(&self) -> Bounds {
+        let mut b = Bounds::EMPTY;
+        for i in &self.instances {
+            for p in &self.meshes[i.mesh as usize].positions {
+                b.include(i.transform.transform_point3a((*p).into()));
+            }
+        }
+        b
+    }
+
+    /// Checks that every index is in range, every array has its mesh's length, and every number that reaches the
+    /// light transport is finite.
+    ///
+    /// # Errors
+    /// The first fault found, with the part and its number.
+    pub fn validate(&self) -> Result<(), InvalidScene> {
+        let err = |s: String| Err(InvalidScene(s));
+        for (n, m) in self.meshes.iter().enumerate() {
+            if let Err(e) = m.validate() {
+                return err(format!("mesh {n} ({}): {e}", m.name));
+            }
+        }
+        for (n, i) in self.instances.iter().enumerate() {
+            if i.mesh as usize >= self.meshes.len() {
+                return err(format!("instance {n} ({}): mesh {} does not exist", i.name, i.mesh));
+            }
+            if i.material.is_some_and(|m| m as usize >= self.materials.len()) {
+                return err(format!("instance {n} ({}): material {:?} does not exist", i.name, i.material));
+            }
+            if !i.transform.is_finite() {
+                return err(format!("instance {n} ({}): transform is not finite", i.name));
+            }
+        }
+        for (n, t) in self.textures.iter().enumerate() {
+            if t.image as usize >= self.images.len() {
+                return err(format!("texture {n}: image {} does not exist", t.image));
+            }
+        }
+        for (n, m) in self.materials.iter().enumerate() {
+            for t in m.textures() {
+                if t.texture as usize >= self.textures.len() {
+                    return err(format!("material {n} ({}): texture {} does not exist", m.name, t.texture));
+                }
+            }
+            if !m.is_finite() {
+                return err(format!("material {n} ({}): a factor is not finite", m.name));
+            }
+        }
+        for (n, i) in self.images.iter().enumerate() {
+            let stored = match &i.pixels {
+                etendue_image::Pixels::U8(p) => p.len(),
+                etendue_image::Pixels::U16(p) => p.len(),
+                etendue_image::Pixels::F32(p) => p.len(),
+            };
+            if i.width == 0 || i.height == 0 || !(1..=4).contains(&i.channels) || stored != i.len() {
+                return err(format!(
+                    "image {n}: {}×{}×{} with {stored} samples",
+                    i.width, i.height, i.channels
+                ));
+            }
+        }
+        for (n, l) in self.lights.iter().enumerate() {
+            if !l.is_finite() {
+                return err(format!("light {n} ({}): a value is not finite", l.name));
+            }
+        }
+        Ok(())
+    }
+}
