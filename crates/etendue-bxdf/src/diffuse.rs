@@ -1,0 +1,51 @@
+//! Light that comes out evenly.
+
+use crate::{
+    bsdf::{Bsdf, BsdfSample, Eval, LobeKind, MIN_COS},
+    sampling,
+};
+use core::f32::consts::FRAC_1_PI;
+use etendue_color::Spectrum;
+use glam::Vec3A;
+
+/// Lambert's surface: f = ρ / π (Lambert 1760), sampled by the cosine.
+///
+/// Its [`Bsdf::albedo`] is exact. Reciprocal; reflects `color` at each angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lambert {
+    /// Reflectance ρ, each lane 0..1.
+    pub color: Spectrum,
+}
+
+impl Bsdf for Lambert {
+    #[inline]
+    fn eval_pdf(&self, wo: Vec3A, wi: Vec3A) -> Eval {
+        // Also taken by NaN.
+        if !(wo.z > MIN_COS && wi.z > MIN_COS) {
+            return Eval::ZERO;
+        }
+        Eval { diffuse: self.color * FRAC_1_PI, specular: Spectrum::ZERO, pdf: wi.z * FRAC_1_PI }
+    }
+
+    #[inline]
+    fn sample(&self, wo: Vec3A, _uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        let wi = sampling::cosine_hemisphere(u);
+        if !(wo.z > MIN_COS && wi.z > MIN_COS) {
+            return None;
+        }
+        Some(BsdfSample {
+            wi,
+            weight: self.color,
+            weight_diffuse: self.color,
+            weight_specular: Spectrum::ZERO,
+            pdf: wi.z * FRAC_1_PI,
+            delta: false,
+            lobe: LobeKind::Diffuse,
+        })
+    }
+
+    #[inline]
+    fn albedo(&self, wo: Vec3A) -> Spectrum {
+        if wo.z > MIN_COS { self.color } else { Spectrum::ZERO }
+    }
+}
