@@ -1,1 +1,15 @@
-//! stub
+//! Rays against the triangles of a scene.
+
+mod accel;
+mod build;
+mod instance;
+mod lanes;
+mod ray;
+#[cfg(test)]
+mod tests;
+mod traverse;
+mod triangle;
+mod wide;
+
+pub use accel::{Accel, Kernel};
+pub use ray::{Hit, Ray};

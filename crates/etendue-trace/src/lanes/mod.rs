@@ -1,0 +1,43 @@
+//! Eight `f32` at a time, in the instruction set at hand.
+//!
+//! Every operation is one IEEE 754 rounding (no fused multiply-add, no approximate reciprocal), and `min`/`max` mean
+//! the same for NaN everywhere, so that a kernel gives the same bits with each implementation.
+
+mod array;
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod sse2;
+
+pub(crate) use array::Array;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx2::Avx2;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use sse2::Sse2;
+
+/// Eight values, aligned for every implementation.
+#[repr(C, align(32))]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct F32x8(pub [f32; 8]);
+
+/// Eight lanes. A mask is a value whose lanes have all bits set or none.
+pub(crate) trait Lanes: Copy {
+    fn splat(x: f32) -> Self;
+    fn load(x: &F32x8) -> Self;
+    fn store(self) -> F32x8;
+    fn add(self, o: Self) -> Self;
+    fn sub(self, o: Self) -> Self;
+    fn mul(self, o: Self) -> Self;
+    fn div(self, o: Self) -> Self;
+    /// `self` where it is less, else `o`: `o` if either is NaN.
+    fn min(self, o: Self) -> Self;
+    /// `self` where it is greater, else `o`: `o` if either is NaN.
+    fn max(self, o: Self) -> Self;
+    fn abs(self) -> Self;
+    fn lt(self, o: Self) -> Self;
+    fn le(self, o: Self) -> Self;
+    fn and(self, o: Self) -> Self;
+    fn or(self, o: Self) -> Self;
+    /// One bit per lane: its sign.
+    fn signs(self) -> u32;
+}
