@@ -1,1 +1,34 @@
-//! stub
+//! Samplers, light sampling, integrators, film.
+//!
+//! [`World`] is a scene made ready for rays, [`Renderer`] takes samples of a picture of it, [`Film`] adds them up exactly.
+//! A sample is a pure function of (seed, pixel, index) and the film adds integers, so a picture has the same bits however
+//! its samples are divided over threads, processes, machines or interrupted runs.
+#![forbid(unsafe_code)]
+
+mod checkpoint;
+mod distribution;
+mod film;
+mod filter;
+mod fixed;
+pub mod ids;
+mod light_tree;
+mod lights;
+mod pass;
+mod path;
+mod renderer;
+mod sampler;
+mod sky;
+mod surface;
+mod world;
+
+pub use checkpoint::{FilmError, FilmInfo};
+pub use distribution::{Distribution1, Distribution2};
+pub use film::{BEAUTY_PLANES, Coverage, Film, MergeError, SampleRanges};
+pub use filter::{Filter, FilterSampler};
+pub use fixed::Fixed;
+pub use pass::{Pass, PassSet};
+pub use path::PathOptions;
+pub use renderer::{Counters, Renderer, Settings};
+pub use sampler::Sampler;
+pub use sky::{Sky, SkySample};
+pub use world::World;

@@ -1,0 +1,330 @@
+//! Every light of a scene behind one question: "send me some light to this point".
+
+use crate::distribution::Distribution1;
+use crate::light_tree::{LightBounds, LightTree};
+use crate::sky::Sky;
+use crate::surface::emitted;
+use crate::world::World;
+use etendue_bxdf::sampling::uniform_triangle;
+use etendue_color::Spectrum;
+use etendue_scene::{Bounds, Light, LightKind};
+use etendue_trace::Hit;
+use glam::Vec3A;
+use rayon::prelude::*;
+
+/// Light that may reach a point, if nothing is in between.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LightSample {
+    /// Unit vector towards the light.
+    pub wi: Vec3A,
+    /// How far away it is; infinite for sky and directional lights.
+    pub distance: f32,
+    /// Radiance from there; for a light without extent, irradiance on a surface that faces it.
+    pub radiance: Spectrum,
+    /// Density per solid angle, choice of the light included; for a light without extent the choice's probability.
+    pub pdf: f32,
+    /// The light has no extent: scattering can not find it.
+    pub delta: bool,
+}
+
+/// A light that stands somewhere.
+#[derive(Clone, Copy, Debug)]
+enum Emitter {
+    Triangle { instance: u32, triangle: u32 },
+    Punctual(u32),
+}
+
+/// Where the light at a point comes from: the share that is drawn from far lights (sky, directional), the rest from
+/// those that stand somewhere.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LightChoice {
+    pub point: Vec3A,
+    pub normal: Vec3A,
+    far: f32,
+}
+
+/// All lights, ready to be drawn from.
+#[derive(Debug, Default)]
+pub(crate) struct Lights {
+    sky: Option<Sky>,
+    /// The sky (first, even if it is not sampled), then directional lights.
+    far: Option<Distribution1>,
+    far_irradiance: f32,
+    directional: Vec<Light>,
+    punctual: Vec<Light>,
+    tree: LightTree,
+    emitters: Vec<Emitter>,
+    /// Per instance, the emitter of its first triangle, or `NONE`.
+    first_emitter: Vec<u32>,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl Lights {
+    pub fn new(world: &World) -> Self {
+        let scene = &world.scene;
+        let sky = Sky::new(&scene.environment);
+        let (directional, punctual): (Vec<_>, Vec<_>) = scene
+            .lights
+            .iter()
+            .filter(|l| l.intensity.max_element() > 0.0)
+            .cloned()
+            .partition(|l| l.kind == LightKind::Directional);
+        let mut weights = vec![sky.sampled_irradiance()];
+        weights.extend(directional.iter().map(|l| brightness(Spectrum::from_rgb(l.intensity.to_array()))));
+        let far = Distribution1::new(weights.iter().copied());
+
+        let mut emitters = Vec::new();
+        let mut bounds = Vec::new();
+        let mut first_emitter = vec![NONE; scene.instances.len()];
+        for (i, instance) in world.instances.iter().enumerate() {
+            let m = &scene.materials[instance.material as usize];
+            if !m.is_emissive() || m.unlit {
+                continue;
+            }
+            let count = world.meshes[instance.mesh as usize].indices.len() as u32;
+            if emitters.len() + count as usize >= (1 << 31) {
+                break;
+            }
+            first_emitter[i] = emitters.len() as u32;
+            emitters.extend((0..count).map(|triangle| Emitter::Triangle { instance: i as u32, triangle }));
+            bounds.par_extend((0..count).into_par_iter().map(|t| triangle_bounds(world, i as u32, t)));
+        }
+        for (i, l) in punctual.iter().enumerate() {
+            emitters.push(Emitter::Punctual(i as u32));
+            bounds.push(punctual_bounds(l));
+        }
+        Self {
+            tree: LightTree::new(&bounds),
+            sky: Some(sky),
+            far_irradiance: far.total() as f32,
+            far: (far.total() > 0.0).then_some(far),
+            directional,
+            punctual,
+            emitters,
+            first_emitter,
+        }
+    }
+
+    pub fn count(&self) -> usize {
+        self.emitters.len() + self.directional.len()
+    }
+
+    /// Light from the sky in direction `d`.
+    #[inline]
+    pub fn sky_radiance(&self, d: Vec3A) -> Spectrum {
+        self.sky.as_ref().map_or(Spectrum::ZERO, |s| s.radiance(d))
+    }
+
+    /// Decides between far and near lights for a surface point.
+    #[inline]
+    pub fn choose(&self, point: Vec3A, normal: Vec3A) -> LightChoice {
+        let far = match (&self.far, self.tree.is_empty()) {
+            (None, _) => 0.0,
+            (Some(_), true) => 1.0,
+            (Some(_), false) => {
+                let near = self.tree.importance(point, normal);
+                if near > 0.0 {
+                    (self.far_irradiance / (self.far_irradiance + near)).clamp(0.1, 0.9)
+                } else {
+                    1.0
+                }
+            }
+        };
+        LightChoice { point, normal, far }
+    }
+
+    /// Draws one light and a point on it.
+    #[inline]
+    pub fn sample(&self, world: &World, choice: &LightChoice, pick: f32, u: [f32; 2]) -> Option<LightSample> {
+        if pick < choice.far {
+            let far = self.far.as_ref()?;
+            let (i, _) = far.sample(pick / choice.far);
+            let probability = choice.far * far.probability(i);
+            if i == 0 {
+                let s = self.sky.as_ref()?.sample(u)?;
+                let pdf = s.pdf * probability;
+                return Some(LightSample {
+                    wi: s.wi,
+                    distance: f32::INFINITY,
+                    radiance: s.radiance,
+                    pdf,
+                    delta: false,
+                });
+            }
+            let l = &self.directional[i - 1];
+            return Some(LightSample {
+                wi: -Vec3A::from(l.direction),
+                distance: f32::INFINITY,
+                radiance: Spectrum::from_rgb(l.intensity.to_array()),
+                pdf: probability,
+                delta: true,
+            });
+        }
+        let pick = ((pick - choice.far) / (1.0 - choice.far)).min(crate::distribution::ONE_MINUS_EPSILON);
+        let (light, probability) = self.tree.sample(choice.point, choice.normal, pick)?;
+        let probability = probability * (1.0 - choice.far);
+        match self.emitters[light as usize] {
+            Emitter::Punctual(i) => punctual_sample(&self.punctual[i as usize], choice.point, probability),
+            Emitter::Triangle { instance, triangle } => {
+                triangle_sample(world, instance, triangle, choice.point, probability, u)
+            }
+        }
+    }
+
+    /// Light from the sky in direction `d`, and the density with which [`Lights::sample`] draws it.
+    #[inline]
+    pub fn sky(&self, choice: &LightChoice, d: Vec3A) -> (Spectrum, f32) {
+        let Some(sky) = &self.sky else { return (Spectrum::ZERO, 0.0) };
+        match &self.far {
+            Some(far) => {
+                let (radiance, pdf) = sky.radiance_and_pdf(d);
+                (radiance, pdf * choice.far * far.probability(0))
+            }
+            None => (sky.radiance(d), 0.0),
+        }
+    }
+
+    /// The density per solid angle with which [`Lights::sample`] draws the point that a ray along `d` met.
+    #[inline]
+    pub fn hit_pdf(&self, world: &World, choice: &LightChoice, hit: &Hit, d: Vec3A) -> f32 {
+        let first = self.first_emitter[hit.instance as usize];
+        if first == NONE {
+            return 0.0;
+        }
+        let chosen =
+            self.tree.probability(first + hit.triangle, choice.point, choice.normal) * (1.0 - choice.far);
+        if chosen <= 0.0 {
+            return 0.0;
+        }
+        let [a, b, c] = world.corners(hit.instance, hit.triangle);
+        let twice = (b - a).cross(c - a);
+        let point = a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v;
+        let d2 = (point - choice.point).length_squared();
+        let projected = 0.5 * twice.dot(d).abs();
+        if projected > 0.0 { chosen * d2 / projected } else { 0.0 }
+    }
+}
+
+fn brightness(s: Spectrum) -> f32 {
+    (s[0] + s[1] + s[2]) * (1.0 / 3.0)
+}
+
+fn triangle_bounds(world: &World, instance: u32, triangle: u32) -> LightBounds {
+    let i = &world.instances[instance as usize];
+    let mesh = &world.meshes[i.mesh as usize];
+    let m = &world.scene.materials[i.material as usize];
+    let p = world.corners(instance, triangle);
+    let twice = (p[1] - p[0]).cross(p[2] - p[0]) * i.handedness;
+    let mut bounds = Bounds::EMPTY;
+    p.iter().for_each(|&p| bounds.include(p));
+    let area = twice.length() * 0.5;
+    // The mean over the triangle by a grid that is as fine as the texture under it, within reason.
+    let steps = match &m.emissive_texture {
+        None => 1,
+        Some(t) => {
+            let texture = &world.scene.textures[t.texture as usize];
+            let image = &world.scene.images[texture.image as usize];
+            let corners = mesh.indices[triangle as usize];
+            let uv = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+                .map(|w| t.transform.transform_point2(mesh.uv(t.uv_set, corners, w)));
+            let texels =
+                (uv[1] - uv[0]).perp_dot(uv[2] - uv[0]).abs() * image.width as f32 * image.height as f32;
+            (texels.sqrt() as usize).clamp(2, 24)
+        }
+    };
+    let mut sum = Spectrum::ZERO;
+    let mut count = 0;
+    for y in 0..steps {
+        for x in 0..steps - y {
+            let (u, v) = ((x as f32 + 1.0 / 3.0) / steps as f32, (y as f32 + 1.0 / 3.0) / steps as f32);
+            sum += emitted(world, m, instance, triangle, [1.0 - u - v, u, v]);
+            count += 1;
+        }
+    }
+    let intensity = area * brightness(sum) / count as f32;
+    LightBounds {
+        bounds,
+        axis: twice.try_normalize().unwrap_or(Vec3A::Y),
+        cos_spread: 1.0,
+        cos_reach: 0.0,
+        two_sided: m.double_sided,
+        intensity: if intensity.is_finite() { intensity } else { 0.0 },
+    }
+}
+
+fn triangle_sample(
+    world: &World,
+    instance: u32,
+    triangle: u32,
+    from: Vec3A,
+    probability: f32,
+    u: [f32; 2],
+) -> Option<LightSample> {
+    let i = &world.instances[instance as usize];
+    let m = &world.scene.materials[i.material as usize];
+    let [a, b, c] = world.corners(instance, triangle);
+    let w = uniform_triangle(u);
+    let to = a * w[0] + b * w[1] + c * w[2] - from;
+    let d2 = to.length_squared();
+    let distance = d2.sqrt();
+    if distance <= 0.0 {
+        return None;
+    }
+    let wi = to / distance;
+    let twice = (b - a).cross(c - a) * i.handedness;
+    let facing = -twice.dot(wi);
+    if facing <= 0.0 && !m.double_sided {
+        return None;
+    }
+    let projected = 0.5 * facing.abs();
+    if projected <= 0.0 {
+        return None;
+    }
+    let radiance = emitted(world, m, instance, triangle, w);
+    Some(LightSample { wi, distance, radiance, pdf: probability * d2 / projected, delta: false })
+}
+
+fn punctual_bounds(l: &Light) -> LightBounds {
+    let p = Vec3A::from(l.position);
+    let (axis, cos_reach) = match l.kind {
+        LightKind::Spot { outer, .. } => (Vec3A::from(l.direction), outer.cos()),
+        _ => (Vec3A::Y, -1.0),
+    };
+    // A spot is as strong everywhere within its cone: the spread, not the reach, is the cone; no cosine falls off.
+    LightBounds {
+        bounds: Bounds { min: p, max: p },
+        axis,
+        cos_spread: cos_reach,
+        cos_reach: 0.0,
+        two_sided: false,
+        intensity: brightness(Spectrum::from_rgb(l.intensity.to_array())),
+    }
+}
+
+/// Light from a point or spot light; equations of `KHR_lights_punctual`, "Range Property" and "Inner and Outer Cone Angles".
+fn punctual_sample(l: &Light, from: Vec3A, probability: f32) -> Option<LightSample> {
+    let to = Vec3A::from(l.position) - from;
+    let d2 = to.length_squared();
+    let distance = d2.sqrt();
+    if distance <= 0.0 {
+        return None;
+    }
+    let wi = to / distance;
+    let mut strength = 1.0 / d2;
+    if let Some(range) = l.range.filter(|r| *r > 0.0) {
+        let x = d2 / (range * range);
+        strength *= (1.0 - x * x).clamp(0.0, 1.0);
+    }
+    if let LightKind::Spot { inner, outer } = l.kind {
+        let cos_outer = outer.cos();
+        let scale = 1.0 / (inner.cos() - cos_outer).max(1e-3);
+        let t = ((-wi.dot(Vec3A::from(l.direction)) - cos_outer) * scale).clamp(0.0, 1.0);
+        strength *= t * t;
+    }
+    if strength <= 0.0 {
+        return None;
+    }
+    let radiance = Spectrum::from_rgb((l.intensity * strength).to_array());
+    Some(LightSample { wi, distance, radiance, pdf: probability, delta: true })
+}

@@ -1,0 +1,252 @@
+//! A camera, a world and settings: samples of pixels, and batches of them on all threads.
+
+use crate::film::{BEAUTY_PLANES, Film};
+use crate::filter::{Filter, FilterSampler};
+use crate::path::{Layers, PathOptions, PathSample, trace};
+use crate::sampler::Sampler;
+use crate::world::World;
+use crate::{Coverage, Fixed, Pass, PassSet};
+use etendue_color::Spectrum;
+use etendue_scene::Camera;
+use glam::Vec3A;
+use rayon::prelude::*;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// What is to be rendered, and how, apart from the number of samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Pixels in a row, at least 1.
+    pub width: u32,
+    /// Rows, at least 1.
+    pub height: u32,
+    /// Pixel filter.
+    pub filter: Filter,
+    /// Changes all random numbers.
+    pub seed: u32,
+    /// Path limits.
+    pub path: PathOptions,
+    /// What to record beside the beauty picture.
+    pub passes: PassSet,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            width: 512,
+            height: 512,
+            filter: Filter::default(),
+            seed: 0,
+            path: PathOptions::default(),
+            passes: PassSet::default(),
+        }
+    }
+}
+
+/// Work done so far; may be read from another thread while rendering goes on.
+#[derive(Debug, Default)]
+pub struct Counters {
+    /// Closest-hit rays traced.
+    pub closest_rays: AtomicU64,
+    /// Any-hit rays traced.
+    pub any_rays: AtomicU64,
+    /// Samples taken, over all pixels.
+    pub samples: AtomicU64,
+}
+
+impl Counters {
+    /// Rays of both kinds.
+    pub fn rays(&self) -> u64 {
+        self.closest_rays.load(Ordering::Relaxed) + self.any_rays.load(Ordering::Relaxed)
+    }
+}
+
+/// Renders samples of one picture.
+pub struct Renderer<'a> {
+    world: &'a World,
+    camera: Camera,
+    settings: Settings,
+    filter: FilterSampler,
+    hashes: [Vec<u32>; 2],
+}
+
+/// Side of the square of pixels that a thread takes at a time.
+const TILE: u32 = 16;
+
+impl<'a> Renderer<'a> {
+    /// A renderer of `world` seen by `camera`.
+    pub fn new(world: &'a World, camera: Camera, settings: Settings) -> Self {
+        let filter = FilterSampler::new(settings.filter);
+        let scene = world.scene();
+        let hashes = if settings.passes.has(Pass::ObjectId) || settings.passes.has(Pass::MaterialId) {
+            [
+                scene.instances.iter().map(|i| crate::ids::name_hash(&i.name)).collect(),
+                scene.materials.iter().map(|m| crate::ids::name_hash(&m.name)).collect(),
+            ]
+        } else {
+            [Vec::new(), Vec::new()]
+        };
+        Self { world, camera, settings, filter, hashes }
+    }
+
+    /// The settings that it was made with.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The camera that it was made with.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// An empty film of the right size and passes.
+    pub fn film(&self) -> Film {
+        Film::new(self.settings.width, self.settings.height, self.settings.passes)
+    }
+
+    /// One sample of one pixel: linear radiance and whether a surface was seen. A pure function of its arguments.
+    pub fn sample(&self, x: u32, y: u32, index: u32) -> (Spectrum, f32) {
+        let s = self.path::<false>(x, y, index);
+        (s.radiance, s.alpha)
+    }
+
+    #[inline]
+    fn path<const LAYERS: bool>(&self, x: u32, y: u32, index: u32) -> PathSample {
+        let s = &self.settings;
+        let sampler = Sampler::new(s.seed, x, y, index);
+        let [u0, u1, ..] = sampler.get4(0);
+        let (dx, dy) = (self.filter.sample(u0), self.filter.sample(u1));
+        let (w, h) = (s.width as f32, s.height as f32);
+        let ndc = [(x as f32 + 0.5 + dx) / w * 2.0 - 1.0, 1.0 - (y as f32 + 0.5 + dy) / h * 2.0];
+        let (origin, direction) = self.camera.ray(ndc, w / h);
+        let axis = -self.camera.transform.matrix3.z_axis;
+        trace::<LAYERS>(self.world, &s.path, &sampler, origin, direction, axis)
+    }
+
+    /// Takes the samples `from..to` of every pixel and adds them to `film`, on all threads of the current pool.
+    ///
+    /// # Panics
+    /// If `film` has another size or other passes, or already holds one of the samples.
+    pub fn render(&self, film: &mut Film, from: u32, to: u32, counters: &Counters) {
+        let (w, h) = (film.width, film.height);
+        assert_eq!((w, h, film.passes), (self.settings.width, self.settings.height, self.settings.passes));
+        let ranges = film.ranges.union(&crate::SampleRanges::new([(from, to)]).expect("one range"));
+        let ranges = ranges.expect("the film holds none of these samples");
+        let across = w.div_ceil(TILE);
+        let shared = Mutex::new(&mut *film);
+        (0..across * h.div_ceil(TILE)).into_par_iter().for_each(|tile| {
+            let (x0, y0) = (tile % across * TILE, tile / across * TILE);
+            let size = [TILE.min(w - x0), TILE.min(h - y0)];
+            let part = if self.settings.passes.is_empty() {
+                self.tile::<false>([x0, y0], size, from, to)
+            } else {
+                self.tile::<true>([x0, y0], size, from, to)
+            };
+            counters.closest_rays.fetch_add(part.rays[0], Ordering::Relaxed);
+            counters.any_rays.fetch_add(part.rays[1], Ordering::Relaxed);
+            let count = u64::from(size[0]) * u64::from(size[1]) * u64::from(to - from);
+            counters.samples.fetch_add(count, Ordering::Relaxed);
+            // A thread that panicked has left whole tiles only; the panic itself is passed on by the pool.
+            let mut film = shared.lock().unwrap_or_else(|e| e.into_inner());
+            part.add_to(&mut film, [x0, y0], size);
+        });
+        film.ranges = ranges;
+    }
+
+    fn tile<const LAYERS: bool>(&self, at: [u32; 2], size: [u32; 2], from: u32, to: u32) -> Tile {
+        let passes = self.settings.passes;
+        let stride = Film::stride_of(passes);
+        let pixels = (size[0] * size[1]) as usize;
+        let mut t = Tile { sums: vec![Fixed::default(); pixels * stride], ..Tile::default() };
+        for (kind, pass) in [Pass::ObjectId, Pass::MaterialId].into_iter().enumerate() {
+            if passes.has(pass) {
+                t.ids[kind] = vec![Coverage::new(); pixels];
+            }
+        }
+        for (i, sums) in t.sums.chunks_exact_mut(stride).enumerate() {
+            let (x, y) = (at[0] + i as u32 % size[0], at[1] + i as u32 / size[0]);
+            for index in from..to {
+                let mut s = self.path::<LAYERS>(x, y, index);
+                t.rays[0] += u64::from(s.rays[0]);
+                t.rays[1] += u64::from(s.rays[1]);
+                if !s.radiance.is_finite() {
+                    t.rejected += 1;
+                    s.radiance = Spectrum::ZERO;
+                }
+                let l = s.radiance.luminance();
+                let [r, g, b, _] = s.radiance.0;
+                for (sum, v) in sums.iter_mut().zip([r, g, b, s.alpha, l * l]) {
+                    sum.add(Fixed::from_f32(v));
+                }
+                if LAYERS {
+                    add_layers(&mut sums[BEAUTY_PLANES..], passes, &s.layers);
+                    if let Some((instance, material)) = s.layers.seen {
+                        for (kind, index) in [instance, material].into_iter().enumerate() {
+                            if let Some(c) = t.ids[kind].get_mut(i) {
+                                *c.entry(self.hashes[kind][index as usize]).or_default() += 1;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        t
+    }
+}
+
+fn add_layers(sums: &mut [Fixed], passes: PassSet, l: &Layers) {
+    let mut at = sums.iter_mut();
+    let mut put = |values: &[f32]| {
+        for (v, sum) in values.iter().zip(at.by_ref()) {
+            sum.add(Fixed::from_f32(if v.is_finite() { *v } else { 0.0 }));
+        }
+    };
+    for pass in passes.iter() {
+        match pass {
+            Pass::Albedo => put(&l.albedo.to_rgb()),
+            Pass::Normal => put(&Vec3A::to_array(&l.normal)),
+            Pass::Position => put(&Vec3A::to_array(&l.position)),
+            Pass::Depth => put(&[l.depth]),
+            Pass::Uv => put(&l.uv.to_array()),
+            Pass::Direct => put(&l.direct.to_rgb()),
+            Pass::Indirect => put(&l.indirect.to_rgb()),
+            Pass::Diffuse => put(&l.diffuse.to_rgb()),
+            Pass::Specular => put(&l.specular.to_rgb()),
+            Pass::Emission => put(&l.emission.to_rgb()),
+            Pass::Environment => put(&l.environment.to_rgb()),
+            Pass::ObjectId | Pass::MaterialId => {}
+        }
+    }
+}
+
+/// Sums over a square of pixels, by one thread.
+#[derive(Default)]
+struct Tile {
+    sums: Vec<Fixed>,
+    ids: [Vec<Coverage>; 2],
+    rays: [u64; 2],
+    rejected: u64,
+}
+
+impl Tile {
+    fn add_to(&self, film: &mut Film, at: [u32; 2], size: [u32; 2]) {
+        let stride = film.stride();
+        let row = size[0] as usize * stride;
+        film.rejected += self.rejected;
+        for y in 0..size[1] {
+            let first = (at[1] + y) as usize * film.width as usize + at[0] as usize;
+            let target = &mut film.sums[first * stride..][..row];
+            for (a, b) in target.iter_mut().zip(&self.sums[y as usize * row..][..row]) {
+                a.add(*b);
+            }
+            for (all, part) in film.ids.iter_mut().zip(&self.ids) {
+                let source = part.iter().skip((y * size[0]) as usize).take(size[0] as usize);
+                for (a, b) in all.iter_mut().skip(first).zip(source) {
+                    for (id, n) in b {
+                        *a.entry(*id).or_default() += n;
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! A hit becomes a surface: where it is, how it is turned, what it is made of.
+
+use crate::world::World;
+use etendue_bxdf::sampling::basis;
+use etendue_bxdf::{MetalRough, MetalRoughParams};
+use etendue_color::Spectrum;
+use etendue_scene::Material;
+use etendue_trace::Hit;
+use glam::{Mat3A, Vec2, Vec3A};
+
+/// The point that a ray met.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surface {
+    pub point: Vec3A,
+    /// Where rays that leave this point start: moved to the smooth surface that the triangles stand for, so that their
+    /// facets do not shadow it.
+    pub lifted: Vec3A,
+    /// Normal of the triangle, on the side that the ray came from.
+    pub geometric: Vec3A,
+    /// Shading frame: columns tangent, bitangent, normal.
+    pub frame: Mat3A,
+    /// Seen from the side that its winding makes the front.
+    pub front: bool,
+    /// First texture coordinate.
+    pub uv: Vec2,
+    pub material: u32,
+    weights: [f32; 3],
+}
+
+impl Surface {
+    /// Geometry of `hit`, seen along `direction` (unit).
+    #[inline]
+    pub fn new(world: &World, hit: &Hit, direction: Vec3A) -> Self {
+        let instance = &world.instances[hit.instance as usize];
+        let mesh = &world.meshes[instance.mesh as usize];
+        let corners = mesh.indices[hit.triangle as usize];
+        let [a, b, c] = corners.map(|k| &mesh.vertices[k as usize]);
+        let w = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        let p = [a, b, c].map(|v| instance.to_world.transform_point3a(v.position.into()));
+        let point = p[0] * w[0] + p[1] * w[1] + p[2] * w[2];
+        let wo = -direction;
+        // Rays meet only triangles that have an area, but its square may vanish in a float.
+        let ng = (p[1] - p[0]).cross(p[2] - p[0]) * instance.handedness;
+        let mut geometric = ng.try_normalize().unwrap_or(wo);
+        let front = geometric.dot(wo) > 0.0;
+        if !front {
+            geometric = -geometric;
+        }
+        let uv = if mesh.has_uv { a.uv * w[0] + b.uv * w[1] + c.uv * w[2] } else { Vec2::ZERO };
+        let mut lifted = point;
+        let mut normal = geometric;
+        let mut tangent = None;
+        let material = &world.scene.materials[instance.material as usize];
+        if mesh.has_normals {
+            let side = if front { 1.0 } else { -1.0 };
+            let n = [a, b, c].map(|v| {
+                let n = instance.normal_to_world * Vec3A::from(v.normal);
+                n.try_normalize().unwrap_or(geometric * side) * side
+            });
+            let smooth = (n[0] * w[0] + n[1] * w[1] + n[2] * w[2]).try_normalize().unwrap_or(geometric);
+            lifted = lift(point, &p, &n, w, geometric);
+            normal = smooth;
+            if let Some(map) = material.normal_texture.filter(|_| mesh.has_tangents) {
+                let t = a.tangent * w[0] + b.tangent * w[1] + c.tangent * w[2];
+                let sign = a.tangent.w * instance.handedness;
+                if let Some(t) = (instance.to_world.matrix3 * Vec3A::from_vec4(t)).try_normalize() {
+                    // All three axes turn over on the back, as in glTF's reference implementation.
+                    let front_normal = smooth * side;
+                    let bitangent = front_normal.cross(t) * sign;
+                    let s = world.texture(&map.texture, mesh, corners, w, false);
+                    let m = Vec3A::new(
+                        (s.x * 2.0 - 1.0) * map.scale,
+                        (s.y * 2.0 - 1.0) * map.scale,
+                        s.z * 2.0 - 1.0,
+                    );
+                    let bent = (t * m.x + bitangent * m.y + front_normal * m.z) * side;
+                    normal = bent.try_normalize().unwrap_or(smooth);
+                    tangent = Some(t);
+                }
+            }
+        }
+        let normal = towards(normal, wo);
+        Self {
+            point,
+            lifted,
+            geometric,
+            frame: frame(normal, tangent),
+            front,
+            uv,
+            material: instance.material,
+            weights: w,
+        }
+    }
+
+    /// The material's emitted radiance here, zero on the back of a one-sided surface; for an unlit surface its colour.
+    #[inline]
+    pub fn emission(&self, world: &World, hit: &Hit) -> Spectrum {
+        let m = &world.scene.materials[self.material as usize];
+        if m.unlit {
+            return self.base_color(world, hit, m);
+        }
+        if !m.is_emissive() || !(self.front || m.double_sided) {
+            return Spectrum::ZERO;
+        }
+        emitted(world, m, hit.instance, hit.triangle, self.weights)
+    }
+
+    /// How the surface scatters.
+    #[inline]
+    pub fn closure(&self, world: &World, hit: &Hit) -> MetalRough {
+        let m = &world.scene.materials[self.material as usize];
+        let mesh = &world.meshes[world.instances[hit.instance as usize].mesh as usize];
+        let corners = mesh.indices[hit.triangle as usize];
+        let (mut metallic, mut roughness) = (m.metallic, m.roughness);
+        if let Some(t) = &m.metallic_roughness_texture {
+            let s = world.texture(t, mesh, corners, self.weights, false);
+            roughness *= s.y;
+            metallic *= s.z;
+        }
+        let mut specular = m.specular;
+        if let Some(t) = &m.specular_texture {
+            specular *= world.texture(t, mesh, corners, self.weights, false).w;
+        }
+        let mut specular_color = m.specular_color;
+        if let Some(t) = &m.specular_color_texture {
+            specular_color *= world.texture(t, mesh, corners, self.weights, true).truncate();
+        }
+        MetalRough::new(&MetalRoughParams {
+            base_color: self.base_color(world, hit, m),
+            metallic: metallic.clamp(0.0, 1.0),
+            roughness: roughness.clamp(0.0, 1.0),
+            ior: m.ior,
+            specular: specular.clamp(0.0, 1.0),
+            specular_color: Spectrum::from_rgb(specular_color.max(glam::Vec3::ZERO).to_array()),
+        })
+    }
+
+    fn base_color(&self, world: &World, hit: &Hit, m: &Material) -> Spectrum {
+        let mesh = &world.meshes[world.instances[hit.instance as usize].mesh as usize];
+        let corners = mesh.indices[hit.triangle as usize];
+        let mut c = m.base_color;
+        if let Some(t) = &m.base_color_texture {
+            c *= world.texture(t, mesh, corners, self.weights, true).truncate();
+        }
+        if !mesh.colors.is_empty() {
+            c *= mesh.mix(&mesh.colors, corners, self.weights).truncate();
+        }
+        Spectrum::from_rgb(c.clamp(glam::Vec3::ZERO, glam::Vec3::ONE).to_array())
+    }
+
+    /// Start of a ray that leaves towards `wi`: off the surface by more than rounding can move it back.
+    #[inline]
+    pub fn origin(&self, world: &World, wi: Vec3A) -> Vec3A {
+        let from = self.lifted;
+        let distance = from.abs().max_element() * 1e-6 + world.epsilon;
+        from + self.geometric * if wi.dot(self.geometric) >= 0.0 { distance } else { -distance }
+    }
+}
+
+/// Radiance that a point of an emissive triangle sends out.
+#[inline]
+pub(crate) fn emitted(world: &World, m: &Material, instance: u32, triangle: u32, w: [f32; 3]) -> Spectrum {
+    let mut e = m.emissive;
+    if let Some(t) = &m.emissive_texture {
+        let mesh = &world.meshes[world.instances[instance as usize].mesh as usize];
+        e *= world.texture(t, mesh, mesh.indices[triangle as usize], w, true).truncate();
+    }
+    Spectrum::from_rgb(e.to_array())
+}
+
+/// The point on the smooth surface that the vertex normals describe, where that lies outside the triangle (Hanika 2021,
+/// "Hacking the Shadow Terminator", Ray Tracing Gems II, chapter 4). Concave parts stay where they are.
+#[inline]
+fn lift(point: Vec3A, p: &[Vec3A; 3], n: &[Vec3A; 3], w: [f32; 3], geometric: Vec3A) -> Vec3A {
+    let mut offset = Vec3A::ZERO;
+    for k in 0..3 {
+        let below = (point - p[k]).dot(n[k]).min(0.0);
+        offset -= n[k] * (below * w[k]);
+    }
+    // Normals that lean far from their triangle would carry the point away sideways.
+    point + geometric * offset.dot(geometric).max(0.0)
+}
+
+/// Bends `n` until `wo` lies above it: a viewer never sees the back of a surface that faces him, whatever a normal map or
+/// an interpolated normal says.
+#[inline]
+fn towards(n: Vec3A, wo: Vec3A) -> Vec3A {
+    const LEAST: f32 = 1e-3;
+    let cos = n.dot(wo);
+    if cos >= LEAST {
+        return n;
+    }
+    (n + wo * (LEAST - cos)).try_normalize().unwrap_or(wo)
+}
+
+/// An orthonormal frame about `n`, along `tangent` if there is one.
+#[inline]
+fn frame(n: Vec3A, tangent: Option<Vec3A>) -> Mat3A {
+    match tangent.and_then(|t| (t - n * n.dot(t)).try_normalize()) {
+        Some(t) => Mat3A::from_cols(t, n.cross(t), n),
+        None => {
+            let (t, b) = basis(n);
+            Mat3A::from_cols(t, b, n)
+        }
+    }
+}

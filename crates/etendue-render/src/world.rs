@@ -1,0 +1,240 @@
+//! The scene made ready for rays: acceleration structure, interleaved vertices, lights.
+
+use crate::lights::Lights;
+use crate::sampler::{hash, unit};
+use etendue_scene::{AlphaMode, InvalidScene, Material, Scene, TextureRef};
+use etendue_trace::{Accel, Hit, Ray};
+use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
+use rayon::prelude::*;
+
+/// One vertex, all that shading needs of it in 48 bytes, so that a hit touches few cache lines.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Vertex {
+    pub position: Vec3,
+    pub normal: Vec3,
+    pub tangent: Vec4,
+    pub uv: Vec2,
+}
+
+/// A mesh as shading reads it.
+#[derive(Debug)]
+pub(crate) struct MeshData {
+    pub vertices: Vec<Vertex>,
+    pub indices: Vec<[u32; 3]>,
+    /// Texture coordinate sets from the second one on.
+    pub more_uvs: Vec<Vec<Vec2>>,
+    pub colors: Vec<Vec4>,
+    pub has_uv: bool,
+    pub has_normals: bool,
+    pub has_tangents: bool,
+}
+
+/// An instance as shading reads it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InstanceData {
+    pub mesh: u32,
+    pub material: u32,
+    pub to_world: Affine3A,
+    /// Inverse transpose of the linear part, up to a positive factor.
+    pub normal_to_world: Mat3A,
+    /// +1, or −1 if the transform mirrors.
+    pub handedness: f32,
+}
+
+/// A scene ready to be rendered.
+pub struct World {
+    pub(crate) scene: Scene,
+    pub(crate) meshes: Vec<MeshData>,
+    pub(crate) instances: Vec<InstanceData>,
+    pub(crate) accel: Accel,
+    pub(crate) lights: Lights,
+    /// Distance by which rays start off a surface at the origin of the world; grows with the coordinates.
+    pub(crate) epsilon: f32,
+    build_seconds: [f64; 2],
+}
+
+impl World {
+    /// Builds everything that rendering needs: acceleration structure and light tree.
+    ///
+    /// # Errors
+    /// What [`Scene::validate`] finds.
+    pub fn new(mut scene: Scene) -> Result<Self, InvalidScene> {
+        scene.validate()?;
+        let start = std::time::Instant::now();
+        let accel = Accel::build(&scene);
+        let traced = start.elapsed().as_secs_f64();
+        // One material more than the file has: glTF's default.
+        let default = scene.materials.len() as u32;
+        scene.materials.push(Material::default());
+        let instances = scene
+            .instances
+            .iter()
+            .map(|i| {
+                let m = i.transform.matrix3;
+                let det = m.determinant();
+                // The matrix of cofactors is det · inverse transpose, and exists when the inverse does not.
+                let cofactors = Mat3A::from_cols(
+                    m.y_axis.cross(m.z_axis),
+                    m.z_axis.cross(m.x_axis),
+                    m.x_axis.cross(m.y_axis),
+                );
+                let handedness = if det < 0.0 { -1.0 } else { 1.0 };
+                InstanceData {
+                    mesh: i.mesh,
+                    material: i.material.unwrap_or(default),
+                    to_world: i.transform,
+                    normal_to_world: cofactors * handedness,
+                    handedness,
+                }
+            })
+            .collect();
+        let meshes = scene.meshes.par_iter_mut().map(MeshData::take).collect();
+        let bounds = accel.bounds();
+        let mut world = Self {
+            meshes,
+            instances,
+            accel,
+            lights: Lights::default(),
+            epsilon: (bounds.diagonal() * 2e-7).max(1e-12),
+            scene,
+            build_seconds: [traced, 0.0],
+        };
+        world.lights = Lights::new(&world);
+        world.build_seconds[1] = start.elapsed().as_secs_f64() - traced;
+        Ok(world)
+    }
+
+    /// The scene that was prepared; its meshes' vertex arrays were moved into the renderer's own layout and are empty.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The ray engine.
+    pub fn accel(&self) -> &Accel {
+        &self.accel
+    }
+
+    /// Seconds that the acceleration structure took to build.
+    pub fn accel_seconds(&self) -> f64 {
+        self.build_seconds[0]
+    }
+
+    /// Seconds that lights and vertex layout took to prepare.
+    pub fn light_seconds(&self) -> f64 {
+        self.build_seconds[1]
+    }
+
+    /// Number of lights that are drawn from: punctual lights and emissive triangles.
+    pub fn light_count(&self) -> usize {
+        self.lights.count()
+    }
+
+    /// True if the surface is there for this ray: the alpha test. `key` makes the choice for blended surfaces.
+    #[inline]
+    pub(crate) fn accepts(&self, key: u32, instance: u32, triangle: u32, u: f32, v: f32) -> bool {
+        let i = &self.instances[instance as usize];
+        let m = &self.scene.materials[i.material as usize];
+        let mesh = &self.meshes[i.mesh as usize];
+        let corners = mesh.indices[triangle as usize];
+        let w = [1.0 - u - v, u, v];
+        let mut alpha = m.alpha;
+        if let Some(t) = &m.base_color_texture {
+            alpha *= self.texture(t, mesh, corners, w, false).w;
+        }
+        if !mesh.colors.is_empty() {
+            alpha *= mesh.mix(&mesh.colors, corners, w).w;
+        }
+        match m.alpha_mode {
+            AlphaMode::Opaque => true,
+            AlphaMode::Mask(cutoff) => alpha >= cutoff,
+            AlphaMode::Blend => unit(hash(key ^ hash(triangle ^ hash(instance)))) < alpha,
+        }
+    }
+
+    /// The nearest surface that the ray meets.
+    #[inline]
+    pub(crate) fn closest(&self, ray: &Ray, key: u32) -> Option<Hit> {
+        self.accel.closest(ray, &|i, t, u, v| self.accepts(key, i, t, u, v))
+    }
+
+    /// True if anything lies on the ray.
+    #[inline]
+    pub(crate) fn occluded(&self, ray: &Ray, key: u32) -> bool {
+        self.accel.any(ray, &|i, t, u, v| self.accepts(key, i, t, u, v))
+    }
+
+    /// A texture at a point of a triangle; `srgb` decodes colour.
+    #[inline]
+    pub(crate) fn texture(
+        &self,
+        t: &TextureRef,
+        mesh: &MeshData,
+        corners: [u32; 3],
+        w: [f32; 3],
+        srgb: bool,
+    ) -> Vec4 {
+        let uv = t.transform.transform_point2(mesh.uv(t.uv_set, corners, w));
+        let texture = &self.scene.textures[t.texture as usize];
+        let image = &self.scene.images[texture.image as usize];
+        if srgb { texture.sample_srgb(image, uv) } else { texture.sample_linear(image, uv) }
+    }
+
+    /// The three corners of a triangle in world space.
+    #[inline]
+    pub(crate) fn corners(&self, instance: u32, triangle: u32) -> [Vec3A; 3] {
+        let i = &self.instances[instance as usize];
+        let mesh = &self.meshes[i.mesh as usize];
+        mesh.indices[triangle as usize]
+            .map(|k| i.to_world.transform_point3a(mesh.vertices[k as usize].position.into()))
+    }
+}
+
+impl MeshData {
+    /// Moves the arrays out of the scene's mesh into the layout that shading reads.
+    fn take(mesh: &mut etendue_scene::Mesh) -> Self {
+        let mut uvs = std::mem::take(&mut mesh.uvs);
+        let first = if uvs.is_empty() { Vec::new() } else { uvs.remove(0) };
+        let (has_uv, has_normals, has_tangents) =
+            (!first.is_empty(), !mesh.normals.is_empty(), !mesh.tangents.is_empty());
+        let vertices = (0..mesh.positions.len())
+            .map(|i| Vertex {
+                position: mesh.positions[i],
+                normal: mesh.normals.get(i).copied().unwrap_or(Vec3::ZERO),
+                tangent: mesh.tangents.get(i).copied().unwrap_or(Vec4::ZERO),
+                uv: first.get(i).copied().unwrap_or(Vec2::ZERO),
+            })
+            .collect();
+        mesh.positions = Vec::new();
+        mesh.normals = Vec::new();
+        mesh.tangents = Vec::new();
+        Self {
+            vertices,
+            indices: std::mem::take(&mut mesh.indices),
+            more_uvs: uvs,
+            colors: std::mem::take(&mut mesh.colors),
+            has_uv,
+            has_normals,
+            has_tangents,
+        }
+    }
+
+    #[inline]
+    pub(crate) fn mix(&self, values: &[Vec4], corners: [u32; 3], w: [f32; 3]) -> Vec4 {
+        let [a, b, c] = corners.map(|k| values[k as usize]);
+        a * w[0] + b * w[1] + c * w[2]
+    }
+
+    /// Texture coordinate of set `set` at barycentric `w`; (0, 0) if there is no such set.
+    #[inline]
+    pub(crate) fn uv(&self, set: u32, corners: [u32; 3], w: [f32; 3]) -> Vec2 {
+        let [a, b, c] = if set == 0 {
+            corners.map(|k| self.vertices[k as usize].uv)
+        } else {
+            match self.more_uvs.get(set as usize - 1) {
+                Some(uv) => corners.map(|k| uv[k as usize]),
+                None => return Vec2::ZERO,
+            }
+        };
+        a * w[0] + b * w[1] + c * w[2]
+    }
+}
