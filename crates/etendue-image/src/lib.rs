@@ -1,6 +1,31 @@
-//! Pictures: buffers, readers and writers, development, metrics.
+//! Pictures: buffers with their depth, readers that bound what a file may ask for, writers that never leave half a
+//! file, development from scene light to display values, and metrics.
+//!
+//! - [`decode`]: PNG, JPEG, WebP → [`Image`] at the file's own depth, for textures.
+//! - [`read_environment`]: Radiance HDR, OpenEXR → linear light without a pixel that is not finite.
+//! - [`write_picture`], [`write_layers_exr`]: light → files, atomically, with [`Metadata`].
+//! - [`develop`]: exposure, tone curve, encoding.
 #![forbid(unsafe_code)]
 
+mod atomic;
 mod buffer;
+mod decode;
+mod develop;
+mod environment;
+mod error;
+mod exr_read;
+mod exr_write;
+mod hdr;
+mod metadata;
+mod write;
 
+pub use atomic::write_atomic;
 pub use buffer::{Image, Pixels};
+pub use decode::{DecodeLimits, decode};
+pub use develop::{Depth, Development, develop};
+pub use environment::{Environment, decode_environment, read_environment};
+pub use error::ImageError;
+pub use exr_read::read_exr_layers;
+pub use exr_write::{ChannelData, ExrImage, Layer, write_layers_exr};
+pub use metadata::Metadata;
+pub use write::{PictureFormat, WriteOptions, encode_picture, write_picture};
