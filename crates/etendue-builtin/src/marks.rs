@@ -1,0 +1,174 @@
+//! Lettering and insignia: strokes of constant width, as a stencil cutter would make them.
+
+use crate::noise::smoothstep;
+use glam::{Vec2, Vec3};
+
+/// What a mark is sprayed with.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Ink {
+    /// Near black.
+    Dark,
+    /// The shell's white.
+    Light,
+    /// The stripe's red.
+    Signal,
+}
+
+/// Strokes of a letter in a cell 4 wide and 6 high, y up: polylines.
+fn strokes(c: char) -> &'static [&'static [(f32, f32)]] {
+    match c {
+        'A' => &[
+            &[(0.0, 0.0), (0.0, 4.5), (1.5, 6.0), (2.5, 6.0), (4.0, 4.5), (4.0, 0.0)],
+            &[(0.0, 2.6), (4.0, 2.6)],
+        ],
+        'C' => &[&[(4.0, 0.0), (1.5, 0.0), (0.0, 1.5), (0.0, 4.5), (1.5, 6.0), (4.0, 6.0)]],
+        'D' => &[&[(0.0, 0.0), (0.0, 6.0), (2.5, 6.0), (4.0, 4.5), (4.0, 1.5), (2.5, 0.0), (0.0, 0.0)]],
+        'E' => &[&[(4.0, 0.0), (0.0, 0.0), (0.0, 6.0), (4.0, 6.0)], &[(0.0, 3.1), (3.0, 3.1)]],
+        'G' => &[&[
+            (4.0, 6.0),
+            (1.5, 6.0),
+            (0.0, 4.5),
+            (0.0, 1.5),
+            (1.5, 0.0),
+            (4.0, 0.0),
+            (4.0, 2.8),
+            (2.4, 2.8),
+        ]],
+        'I' => &[&[(2.0, 0.0), (2.0, 6.0)]],
+        'L' => &[&[(0.0, 6.0), (0.0, 0.0), (4.0, 0.0)]],
+        'M' => &[&[(0.0, 0.0), (0.0, 6.0), (2.0, 3.2), (4.0, 6.0), (4.0, 0.0)]],
+        'N' => &[&[(0.0, 0.0), (0.0, 6.0), (4.0, 0.0), (4.0, 6.0)]],
+        'O' | '0' => &[&[
+            (1.5, 0.0),
+            (0.0, 1.5),
+            (0.0, 4.5),
+            (1.5, 6.0),
+            (2.5, 6.0),
+            (4.0, 4.5),
+            (4.0, 1.5),
+            (2.5, 0.0),
+            (1.5, 0.0),
+        ]],
+        'R' => &[
+            &[(0.0, 0.0), (0.0, 6.0), (2.8, 6.0), (4.0, 5.0), (4.0, 3.8), (2.8, 2.8), (0.0, 2.8)],
+            &[(2.2, 2.8), (4.0, 0.0)],
+        ],
+        'S' => &[&[
+            (0.0, 0.0),
+            (2.8, 0.0),
+            (4.0, 1.0),
+            (4.0, 2.2),
+            (3.0, 3.1),
+            (1.0, 3.1),
+            (0.0, 4.0),
+            (0.0, 5.0),
+            (1.2, 6.0),
+            (4.0, 6.0),
+        ]],
+        'T' => &[&[(0.0, 6.0), (4.0, 6.0)], &[(2.0, 6.0), (2.0, 0.0)]],
+        'U' => &[&[(0.0, 6.0), (0.0, 1.5), (1.5, 0.0), (2.5, 0.0), (4.0, 1.5), (4.0, 6.0)]],
+        'V' => &[&[(0.0, 6.0), (2.0, 0.0), (4.0, 6.0)]],
+        'X' => &[&[(0.0, 0.0), (4.0, 6.0)], &[(0.0, 6.0), (4.0, 0.0)]],
+        'Y' => &[&[(0.0, 6.0), (2.0, 3.0), (4.0, 6.0)], &[(2.0, 3.0), (2.0, 0.0)]],
+        '1' => &[&[(0.8, 4.8), (2.0, 6.0), (2.0, 0.0)]],
+        '2' => &[&[(0.0, 6.0), (2.8, 6.0), (4.0, 5.0), (4.0, 3.6), (0.0, 0.0), (4.0, 0.0)]],
+        '3' => &[&[(0.0, 6.0), (4.0, 6.0), (2.0, 3.6), (4.0, 2.4), (4.0, 1.0), (2.8, 0.0), (0.0, 0.0)]],
+        '4' => &[&[(3.0, 0.0), (3.0, 6.0), (0.0, 2.0), (4.0, 2.0)]],
+        '7' => &[&[(0.0, 6.0), (4.0, 6.0), (1.4, 0.0)]],
+        '-' => &[&[(0.6, 3.0), (3.4, 3.0)]],
+        _ => &[],
+    }
+}
+
+fn distance_to_segment(p: Vec2, a: Vec2, b: Vec2) -> f32 {
+    let ab = b - a;
+    let t = ((p - a).dot(ab) / ab.length_squared().max(1e-12)).clamp(0.0, 1.0);
+    p.distance(a + ab * t)
+}
+
+/// Distance from `p` to the centre lines of `text`, whose capitals are `height` high and stand on y = 0, centred on x = 0.
+pub fn text_distance(p: Vec2, text: &str, height: f32) -> f32 {
+    let scale = height / 6.0;
+    let advance = 6.0;
+    let n = text.chars().count() as f32;
+    let q = p / scale + Vec2::new(0.5 * (n * advance - 2.0), 0.0);
+    let mut best = f32::MAX;
+    for (i, c) in text.chars().enumerate() {
+        let local = q - Vec2::new(i as f32 * advance, 0.0);
+        if local.x < -2.0 || local.x > 6.0 || local.y < -2.0 || local.y > 8.0 {
+            continue;
+        }
+        for line in strokes(c) {
+            for w in line.windows(2) {
+                best = best.min(distance_to_segment(
+                    local,
+                    Vec2::new(w[0].0, w[0].1),
+                    Vec2::new(w[1].0, w[1].1),
+                ));
+            }
+        }
+    }
+    best * scale
+}
+
+/// How much a shape at signed distance `d` covers, with an edge about a texel wide.
+fn cover(d: f32) -> f32 {
+    smoothstep(0.00022, -0.00022, d)
+}
+
+/// The insignia: a ring, and rays that pass a waist, as wide and as steep before as behind it. `size` is the radius.
+pub fn insignia(p: Vec2, size: f32) -> f32 {
+    let q = p / size;
+    let ring = (q.length() - 0.90).abs() - 0.075;
+    let inner = (q.length() - 0.74).abs() - 0.02;
+    let bounds = q.length() - 0.64;
+    // The bundle of rays: hyperbolas around the waist.
+    let mut rays = f32::MAX;
+    for k in [-1.0f32, -0.5, 0.0, 0.5, 1.0] {
+        let y = k * (0.14 * 0.14 + 0.46 * q.x * q.x).sqrt();
+        let slope = k * 0.46 * q.x / (0.14 * 0.14 + 0.46 * q.x * q.x).sqrt();
+        rays = rays.min((q.y - y).abs() / (1.0 + slope * slope).sqrt() - 0.042);
+    }
+    let waist = (q.x.abs() - 0.035).max(q.y.abs() - 0.34).max(0.20 - q.y.abs());
+    ring.min(inner).min(rays.min(waist).max(bounds)) * size
+}
+
+/// The marks that cover a place of the shell, each with its ink and cover 0..1, in the order of spraying.
+pub fn shell_marks(p: Vec3) -> Vec<(Ink, f32)> {
+    let mut out = Vec::new();
+    let r = p.length();
+    let d = p / r;
+    let e = d.y.asin();
+    // On the sides, marks lie in the plane seen from there: x towards the reader's right.
+    let side = p.x.signum();
+    if d.x.abs() > 0.25 {
+        let q = Vec2::new(-p.z * side, p.y);
+        if p.y > -0.005 {
+            let number = q - Vec2::new(-0.022 * side + 0.0, 0.078);
+            let stencil = number.x.abs();
+            let _ = stencil;
+            let t = text_distance(number, "07", 0.034);
+            out.push((Ink::Dark, cover(t - 0.0034)));
+            out.push((
+                Ink::Dark,
+                cover(text_distance(q - Vec2::new(-0.022 * side, 0.064), "ETENDUE", 0.0068) - 0.00062),
+            ));
+            out.push((Ink::Signal, cover(insignia(q - Vec2::new(0.088 * side, 0.030), 0.019))));
+            out.push((
+                Ink::Dark,
+                cover(text_distance(q - Vec2::new(0.088 * side, 0.004), "G2-SIN2", 0.0036) - 0.00042),
+            ));
+        } else {
+            out.push((
+                Ink::Light,
+                cover(text_distance(q - Vec2::new(0.052 * side, -0.066), "NO STEP", 0.0050) - 0.00052),
+            ));
+        }
+    }
+    // At the nape, on the stripe.
+    if d.z < -0.5 && e.abs() < 0.6 {
+        let q = Vec2::new(-p.x, p.y);
+        out.push((Ink::Light, cover(text_distance(Vec2::new(q.x, q.y + 0.006), "07", 0.020) - 0.0020)));
+    }
+    out
+}

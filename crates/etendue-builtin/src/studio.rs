@@ -1,0 +1,157 @@
+//! The built-in sky: a photographer's studio, drawn by formula.
+
+use crate::noise::smoothstep;
+use glam::Vec3;
+use std::f32::consts::{PI, TAU};
+
+/// Width of the picture, pixels; it is half as high.
+pub const WIDTH: usize = 512;
+
+/// A lamp far away: a rounded rectangle with soft edges around a direction.
+struct Softbox {
+    /// Azimuth from +Z towards +X and elevation, degrees.
+    at: [f32; 2],
+    /// Half width and half height, as tangents of angles.
+    half: [f32; 2],
+    /// Turn around its own axis, degrees.
+    roll: f32,
+    /// Width of the soft edge, in the same unit as `half`.
+    soft: f32,
+    /// Radiance at the middle.
+    light: Vec3,
+    /// How much of it is left at the edge.
+    falloff: f32,
+}
+
+impl Softbox {
+    fn radiance(&self, d: Vec3) -> Vec3 {
+        let centre = crate::form::direction(self.at[0].to_radians(), self.at[1].to_radians());
+        let ahead = d.dot(centre);
+        if ahead <= 0.02 {
+            return Vec3::ZERO;
+        }
+        let x = Vec3::Y.cross(centre).normalize();
+        let y = centre.cross(x);
+        let (s, c) = self.roll.to_radians().sin_cos();
+        let (px, py) = (d.dot(x) / ahead, d.dot(y) / ahead);
+        let (px, py) = (px * c + py * s, py * c - px * s);
+        // Signed distance to a rectangle with rounded corners.
+        let round = 0.35 * self.half[0].min(self.half[1]);
+        let q = [px.abs() - self.half[0] + round, py.abs() - self.half[1] + round];
+        let outside = (q[0].max(0.0).powi(2) + q[1].max(0.0).powi(2)).sqrt();
+        let distance = outside + q[0].max(q[1]).min(0.0) - round;
+        let r2 = 0.5 * ((px / self.half[0]).powi(2) + (py / self.half[1]).powi(2));
+        let inner = 1.0 - (1.0 - self.falloff) * r2.min(1.0);
+        self.light * (inner * smoothstep(0.5 * self.soft, -0.5 * self.soft, distance))
+    }
+}
+
+/// The lamps. The camera stands at azimuth 24°, elevation 11°.
+fn lamps() -> Vec<Softbox> {
+    let warm = Vec3::new(1.0, 0.93, 0.84);
+    let cool = Vec3::new(0.80, 0.90, 1.0);
+    let mut all = vec![
+        // The key: large, high, on the camera's left.
+        Softbox {
+            at: [-48.0, 42.0],
+            half: [0.52, 0.40],
+            roll: 8.0,
+            soft: 0.10,
+            light: warm * 17.0,
+            falloff: 0.55,
+        },
+        // The top light.
+        Softbox {
+            at: [150.0, 80.0],
+            half: [0.55, 0.38],
+            roll: 0.0,
+            soft: 0.25,
+            light: Vec3::ONE * 6.0,
+            falloff: 0.6,
+        },
+        // Two strips behind for the rims.
+        Softbox {
+            at: [128.0, 14.0],
+            half: [0.13, 0.80],
+            roll: -6.0,
+            soft: 0.08,
+            light: cool * 26.0,
+            falloff: 0.5,
+        },
+        Softbox {
+            at: [-118.0, 18.0],
+            half: [0.10, 0.75],
+            roll: 8.0,
+            soft: 0.08,
+            light: cool * 20.0,
+            falloff: 0.5,
+        },
+        // A low warm fill.
+        Softbox {
+            at: [-75.0, -18.0],
+            half: [0.55, 0.16],
+            roll: 0.0,
+            soft: 0.20,
+            light: warm * 1.6,
+            falloff: 0.5,
+        },
+    ];
+    // A window on the camera's right: two by three panes.
+    for column in 0..2 {
+        for row in 0..3 {
+            all.push(Softbox {
+                at: [62.0 + 17.0 * (column as f32 - 0.5), 30.0 + 14.5 * (row as f32 - 1.0)],
+                half: [0.125, 0.105],
+                roll: 0.0,
+                soft: 0.02,
+                light: cool * 7.5,
+                falloff: 0.8,
+            });
+        }
+    }
+    all
+}
+
+/// Radiance from direction `d` (unit).
+pub fn radiance(d: Vec3) -> Vec3 {
+    let elevation = d.y.clamp(-1.0, 1.0).asin();
+    // Walls and floor: dark blue-grey above, a warmer and darker floor, one soft horizon.
+    let high = Vec3::new(0.16, 0.19, 0.23);
+    let low = Vec3::new(0.30, 0.32, 0.34);
+    let wall = low.lerp(high, smoothstep(0.0, 1.1, elevation));
+    let floor =
+        Vec3::new(0.17, 0.155, 0.14).lerp(Vec3::new(0.09, 0.08, 0.07), smoothstep(-0.3, -1.3, elevation));
+    let mut l = floor.lerp(wall, smoothstep(-0.55, 0.10, elevation));
+    // A pool of light on the backdrop, behind whatever the camera looks at.
+    let pool = crate::form::direction(205f32.to_radians(), -6f32.to_radians());
+    let angle = d.dot(pool).clamp(-1.0, 1.0).acos();
+    l += Vec3::new(0.50, 0.56, 0.62) * (-(angle / 0.42).powi(2)).exp();
+    l *= 0.8;
+    lamps().iter().fold(l, |sum, s| sum + s.radiance(d))
+}
+
+/// The sky as linear RGB, row by row from the top, `WIDTH` × `WIDTH / 2`. A pixel is the mean over 3 × 3 directions.
+pub fn pixels() -> Vec<[f32; 3]> {
+    let (w, h) = (WIDTH, WIDTH / 2);
+    let mut out = Vec::with_capacity(w * h);
+    for y in 0..h {
+        for x in 0..w {
+            let mut sum = Vec3::ZERO;
+            for k in 0..9 {
+                let u = (x as f32 + (k % 3) as f32 / 3.0 + 1.0 / 6.0) / w as f32;
+                let v = (y as f32 + (k / 3) as f32 / 3.0 + 1.0 / 6.0) / h as f32;
+                // u = atan2(z, x) / 2π + ½, v = ½ − asin(y) / π.
+                let (sa, ca) = ((u - 0.5) * TAU).sin_cos();
+                let (se, ce) = ((0.5 - v) * PI).sin_cos();
+                sum += radiance(Vec3::new(ca * ce, se, sa * ce));
+            }
+            out.push((sum / 9.0).to_array());
+        }
+    }
+    out
+}
+
+/// The sky as a Radiance picture.
+pub fn studio() -> Vec<u8> {
+    crate::hdr_write::radiance_file(WIDTH, WIDTH / 2, &pixels())
+}
