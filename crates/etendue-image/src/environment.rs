@@ -186,7 +186,8 @@ fn decode_exr(bytes: &[u8], limits: &DecodeLimits) -> Result<(Image, Vec<String>
     if (dx, dy) != (0, 0) || header.layer_size != display.size {
         notes.push(format!("data window of {} placed at ({dx}, {dy}) in the picture", pair(header)));
     }
-    let mut out = vec![0f32; width * height * 3];
+    // Made when the first chunks have been decompressed: a damaged file that fails there has cost nothing.
+    let mut out = Vec::new();
     decode_rows(
         bytes,
         |p| p == part,
@@ -194,6 +195,9 @@ fn decode_exr(bytes: &[u8], limits: &DecodeLimits) -> Result<(Image, Vec<String>
             let Some((_, lanes)) = channels.iter().find(|c| c.0 == row.channel) else {
                 return;
             };
+            if out.is_empty() {
+                out = vec![0f32; width * height * 3];
+            }
             let y = row.y as i64 + dy;
             if !(0..height as i64).contains(&y) {
                 return;
@@ -207,6 +211,9 @@ fn decode_exr(bytes: &[u8], limits: &DecodeLimits) -> Result<(Image, Vec<String>
             }
         },
     )?;
+    if out.is_empty() {
+        return Err(ImageError::damaged(EXR, "it has no pixels"));
+    }
     if let Some((m, note)) = color_matrix(header) {
         notes.push(note);
         for c in out.chunks_exact_mut(3) {

@@ -26,7 +26,10 @@ const BATCH: usize = 64;
 
 pub(crate) fn exr_error(e: ExrError) -> ImageError {
     match e {
-        ExrError::NotSupported(m) => ImageError::unsupported(F, m.into_owned()),
+        ExrError::NotSupported(m) => {
+            let feature = m.trim_end_matches(" yet").trim_end_matches(" not supported");
+            ImageError::unsupported(F, feature.trim_start_matches("yet unimplemented "))
+        }
         ExrError::Invalid(m) => ImageError::damaged(F, m),
         ExrError::Io(e) => ImageError::damaged(F, format!("the data ends early ({e})")),
         ExrError::Aborted => ImageError::damaged(F, "aborted"),
@@ -189,21 +192,23 @@ pub fn read_exr_layers(bytes: &[u8], limits: &DecodeLimits) -> Result<ExrImage, 
     }
     limits.check(F, (width as u64, height as u64), total, usize::MAX, 1)?;
 
-    let mut planes: Vec<Vec<ChannelData>> = headers
-        .iter()
-        .map(|h| {
-            let plane = |kind| match kind {
-                SampleType::F16 => ChannelData::Color(vec![0.0; width * height]),
-                SampleType::F32 => ChannelData::F32(vec![0.0; width * height]),
-                SampleType::U32 => ChannelData::U32(vec![0; width * height]),
-            };
-            h.channels.list.iter().map(|c| plane(c.sample_type)).collect()
-        })
-        .collect();
+    // Made when the first chunks have been decompressed: a damaged file that fails there has cost nothing.
+    let mut planes: Vec<Vec<ChannelData>> = Vec::new();
+    let allocate = || {
+        let plane = |kind| match kind {
+            SampleType::F16 => ChannelData::Color(vec![0.0; width * height]),
+            SampleType::F32 => ChannelData::F32(vec![0.0; width * height]),
+            SampleType::U32 => ChannelData::U32(vec![0; width * height]),
+        };
+        headers.iter().map(|h| h.channels.list.iter().map(|c| plane(c.sample_type)).collect()).collect()
+    };
     decode_rows(
         bytes,
         |_| true,
         |part, row| {
+            if planes.is_empty() {
+                planes = allocate();
+            }
             let at = row.y * width + row.x;
             match &mut planes[part][row.channel] {
                 ChannelData::Color(p) | ChannelData::F32(p) => {
