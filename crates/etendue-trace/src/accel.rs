@@ -5,10 +5,11 @@ use crate::instance::{Placement, placements};
 use crate::lanes::{Array, Lanes};
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::{Avx2, Sse2};
+use crate::query::{Best, NONE, Query};
 use crate::ray::{Hit, Prepared, Ray, Slack};
-use crate::traverse::{STACK, index, walk};
-use crate::triangle::{ALPHA, Packet};
-use crate::wide::{KIND, LEAF, Primitive, Tree, WIDTH, triangle_bounds};
+use crate::traverse::{STACK, walk};
+use crate::triangle::ALPHA;
+use crate::wide::{Primitive, Tree, WIDTH, triangle_bounds};
 use etendue_scene::{Bounds, Mesh, Scene};
 use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
@@ -52,10 +53,10 @@ impl Kernel {
 
 /// The scene's triangles, ready to be hit by rays. See the crate's documentation for how it is laid out.
 pub struct Accel {
-    world: Tree,
+    pub(crate) world: Tree,
     /// Trees in mesh space, of the meshes that stand in several places.
-    meshes: Vec<Tree>,
-    placements: Vec<Placement>,
+    pub(crate) meshes: Vec<Tree>,
+    pub(crate) placements: Vec<Placement>,
     slack: Slack,
     triangles: u64,
     kernel: Kernel,
@@ -69,14 +70,6 @@ impl std::fmt::Debug for Accel {
             .field("kernel", &self.kernel)
             .finish_non_exhaustive()
     }
-}
-
-/// The best hit so far. `key` is (instance, triangle) as one number, so that ties go to the lower.
-struct Best {
-    t: f32,
-    u: f32,
-    v: f32,
-    key: u64,
 }
 
 /// Positions of a mesh's triangle.
@@ -248,20 +241,8 @@ impl Accel {
 
     #[inline(always)]
     fn closest_with<S: Lanes>(&self, ray: &Ray, accept: &impl Fn(u32, u32, f32, f32) -> bool) -> Option<Hit> {
-        let prepared = Prepared::new(ray, &self.world.bounds, &self.slack)?;
-        let mut best = Best { t: ray.t_max, u: 0.0, v: 0.0, key: u64::MAX };
-        let mut t_max = ray.t_max;
-        walk::<S, false>(&self.world, &prepared, &mut t_max, |child, t_max| {
-            if child & KIND == LEAF {
-                let packet = &self.world.packets[index(child)];
-                closest_in::<S>(packet, &prepared, &mut best, t_max, |lane| packet.instance[lane], accept);
-            } else {
-                let p = &self.placements[index(child)];
-                self.closest_in_instance::<S>(p, ray, &mut best, t_max, accept);
-            }
-            false
-        });
-        (best.key != u64::MAX).then_some(Hit {
+        let best = self.search::<S, false>(ray, accept)?;
+        (best.key != NONE).then_some(Hit {
             t: best.t,
             u: best.u,
             v: best.v,
@@ -271,101 +252,22 @@ impl Accel {
     }
 
     #[inline(always)]
-    fn closest_in_instance<S: Lanes>(
-        &self,
-        p: &Placement,
-        ray: &Ray,
-        best: &mut Best,
-        t_max: &mut f32,
-        accept: &impl Fn(u32, u32, f32, f32) -> bool,
-    ) {
-        let tree = &self.meshes[p.tree as usize];
-        let local = p.to_mesh(ray, *t_max);
-        let Some(prepared) = Prepared::new(&local, &tree.bounds, &Slack::NONE) else { return };
-        let tag = p.instance | if p.alpha { ALPHA } else { 0 };
-        walk::<S, false>(tree, &prepared, t_max, |child, t_max| {
-            closest_in::<S>(&tree.packets[index(child)], &prepared, best, t_max, |_| tag, accept);
-            false
-        });
-    }
-
-    #[inline(always)]
     fn any_with<S: Lanes>(&self, ray: &Ray, accept: &impl Fn(u32, u32, f32, f32) -> bool) -> bool {
-        let Some(prepared) = Prepared::new(ray, &self.world.bounds, &self.slack) else { return false };
-        let mut hit = false;
-        let mut t_max = ray.t_max;
-        walk::<S, true>(&self.world, &prepared, &mut t_max, |child, t_max| {
-            hit = if child & KIND == LEAF {
-                let packet = &self.world.packets[index(child)];
-                any_in::<S>(packet, &prepared, *t_max, |lane| packet.instance[lane], accept)
-            } else {
-                let p = &self.placements[index(child)];
-                self.any_in_instance::<S>(p, ray, accept)
-            };
-            hit
-        });
-        hit
+        self.search::<S, true>(ray, accept).is_some_and(|b| b.key != NONE)
     }
 
     #[inline(always)]
-    fn any_in_instance<S: Lanes>(
+    fn search<S: Lanes, const ANY: bool>(
         &self,
-        p: &Placement,
         ray: &Ray,
         accept: &impl Fn(u32, u32, f32, f32) -> bool,
-    ) -> bool {
-        let tree = &self.meshes[p.tree as usize];
-        let local = p.to_mesh(ray, ray.t_max);
-        let Some(prepared) = Prepared::new(&local, &tree.bounds, &Slack::NONE) else { return false };
-        let tag = p.instance | if p.alpha { ALPHA } else { 0 };
-        let mut hit = false;
-        walk::<S, true>(tree, &prepared, &mut { ray.t_max }, |child, t_max| {
-            hit = any_in::<S>(&tree.packets[index(child)], &prepared, *t_max, |_| tag, accept);
-            hit
-        });
-        hit
+    ) -> Option<Best> {
+        let prepared = Prepared::new(ray, &self.world.bounds, &self.slack)?;
+        let best = Best { t: ray.t_max, u: 0.0, v: 0.0, key: NONE };
+        let mut query = Query::<_, ANY> { accel: self, ray, prepared, accept, best };
+        walk::<S, ANY>(&self.world, &prepared, ray.t_max, &mut query);
+        Some(query.best)
     }
-}
-
-/// Tests one packet for a nearer hit.
-#[inline(always)]
-fn closest_in<S: Lanes>(
-    packet: &Packet,
-    ray: &Prepared,
-    best: &mut Best,
-    t_max: &mut f32,
-    tag: impl Fn(usize) -> u32,
-    accept: &impl Fn(u32, u32, f32, f32) -> bool,
-) {
-    packet.intersect::<S>(ray, *t_max, |lane, t, u, v| {
-        let (tag, triangle) = (tag(lane), packet.triangle[lane]);
-        let instance = tag & !ALPHA;
-        let key = (instance as u64) << 32 | triangle as u64;
-        let nearer = t < best.t || (t == best.t && key < best.key);
-        if nearer && (tag & ALPHA == 0 || accept(instance, triangle, u, v)) {
-            *best = Best { t, u, v, key };
-            *t_max = t;
-        }
-        false
-    });
-}
-
-/// True if a triangle of the packet is hit.
-#[inline(always)]
-fn any_in<S: Lanes>(
-    packet: &Packet,
-    ray: &Prepared,
-    t_max: f32,
-    tag: impl Fn(usize) -> u32,
-    accept: &impl Fn(u32, u32, f32, f32) -> bool,
-) -> bool {
-    let mut hit = false;
-    packet.intersect::<S>(ray, t_max, |lane, _, u, v| {
-        let tag = tag(lane);
-        hit = tag & ALPHA == 0 || accept(tag & !ALPHA, packet.triangle[lane], u, v);
-        hit
-    });
-    hit
 }
 
 /// The tree of a mesh in its own space.

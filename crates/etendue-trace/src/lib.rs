@@ -4,6 +4,7 @@ mod accel;
 mod build;
 mod instance;
 mod lanes;
+mod query;
 mod ray;
 #[cfg(test)]
 mod tests;

@@ -152,15 +152,15 @@ fn brute(scene: &Scene, accel: &Accel, ray: &Ray) -> Option<Hit> {
             }
             let mut packet = Packet::empty();
             packet.set(5, corners.map(|p| p.to_array()), 0, 0);
-            packet.intersect::<Array>(&prepared, ray.t_max, |_, at, u, v| {
+            let Some(mut candidates) = packet.intersect::<Array>(&prepared, ray.t_max) else { continue };
+            while let Some((_, at, u, v)) = candidates.next(&packet, &prepared, ray.t_max) {
                 let hit = Hit { t: at, u, v, instance: n as u32, triangle: t as u32 };
                 let alpha = instance.material == Some(1);
                 let nearer = best.is_none_or(|b| at < b.t);
                 if nearer && (!alpha || accept(n as u32, t as u32, u, v)) {
                     best = Some(hit);
                 }
-                false
-            });
+            }
         }
     }
     best

@@ -1,6 +1,6 @@
 //! Walking a tree with one ray, once in generic code over [`Lanes`].
 
-use crate::lanes::Lanes;
+use crate::lanes::{F32x8, Lanes};
 use crate::ray::Prepared;
 use crate::wide::{Child, INDEX, KIND, Tree};
 use std::mem::MaybeUninit;
@@ -65,20 +65,37 @@ impl Stack {
     }
 }
 
-/// Calls `visit` for the leaves and instances whose boxes the ray meets no later than `t_max`, near ones first for
-/// closest-hit, likely ones first for `ANY`. `visit` may lower `t_max`; it ends the walk by returning true.
+/// What to do where a walk ends.
+///
+/// A trait and not a closure: closures do not inherit the features of the kernel they are called in, and cannot be
+/// told to be inlined.
+pub(crate) trait Visitor {
+    /// Looks into a leaf or an instance whose box the ray meets no later than `t_max`. May lower `t_max`; ends the
+    /// walk by returning true.
+    fn visit<S: Lanes>(&mut self, child: Child, t_max: &mut f32) -> bool;
+}
+
+/// Entry distance along one axis.
+#[inline(always)]
+fn slab<S: Lanes>(plane: &F32x8, origin: S, inverse: S) -> S {
+    S::load(plane).sub(origin).mul(inverse)
+}
+
+/// Visits the leaves and instances whose boxes the ray meets: near ones first for closest-hit, promising ones first
+/// for `ANY`.
 #[inline(always)]
 pub(crate) fn walk<S: Lanes, const ANY: bool>(
     tree: &Tree,
     ray: &Prepared,
-    t_max: &mut f32,
-    mut visit: impl FnMut(Child, &mut f32) -> bool,
+    mut t_max: f32,
+    visitor: &mut impl Visitor,
 ) {
     if tree.nodes.is_empty() {
         return;
     }
-    let splat = |x: [f32; 3]| x.map(S::splat);
-    let (inverse, near, far) = (splat(ray.inverse), splat(ray.near), splat(ray.far));
+    let inverse = [S::splat(ray.inverse[0]), S::splat(ray.inverse[1]), S::splat(ray.inverse[2])];
+    let near = [S::splat(ray.near[0]), S::splat(ray.near[1]), S::splat(ray.near[2])];
+    let far = [S::splat(ray.far[0]), S::splat(ray.far[1]), S::splat(ray.far[2])];
     let t_min = S::splat(ray.t_min);
     let sign = ray.sign;
     let mut stack = Stack::new();
@@ -87,10 +104,14 @@ pub(crate) fn walk<S: Lanes, const ANY: bool>(
         // Down, as long as there is a node.
         while current & KIND == 0 {
             let node = &tree.nodes[current as usize];
-            let enter = |k: usize| S::load(&node.bounds[k][sign[k] & 1]).sub(near[k]).mul(inverse[k]);
-            let leave = |k: usize| S::load(&node.bounds[k][(sign[k] & 1) ^ 1]).sub(far[k]).mul(inverse[k]);
-            let first = enter(0).max(enter(1)).max(enter(2).max(t_min));
-            let last = leave(0).min(leave(1)).min(leave(2).min(S::splat(*t_max)));
+            let (x, y, z) = (&node.bounds[0], &node.bounds[1], &node.bounds[2]);
+            let [i, j, k] = [sign[0] & 1, sign[1] & 1, sign[2] & 1];
+            let first = slab(&x[i], near[0], inverse[0])
+                .max(slab(&y[j], near[1], inverse[1]))
+                .max(slab(&z[k], near[2], inverse[2]).max(t_min));
+            let last = slab(&x[i ^ 1], far[0], inverse[0])
+                .min(slab(&y[j ^ 1], far[1], inverse[1]))
+                .min(slab(&z[k ^ 1], far[2], inverse[2]).min(S::splat(t_max)));
             let mut lanes = first.le(last).signs();
             if lanes == 0 {
                 break;
@@ -144,12 +165,12 @@ pub(crate) fn walk<S: Lanes, const ANY: bool>(
             stack.sort(from);
             current = stack.pop().unwrap_or(0) as Child;
         }
-        if current & KIND != 0 && visit(current, t_max) {
+        if current & KIND != 0 && visitor.visit::<S>(current, &mut t_max) {
             return;
         }
         current = loop {
             let Some(e) = stack.pop() else { return };
-            if distance(e) <= *t_max {
+            if distance(e) <= t_max {
                 break e as Child;
             }
         };

@@ -37,33 +37,31 @@ impl Packet {
         self.instance[lane] = instance;
     }
 
-    /// Calls `found(lane, t, u, v)` for each triangle that the ray meets with `t_min < t ≤ t_max`, lowest lane first,
-    /// until it returns true.
+    /// One vertex of each triangle in the frame where the ray is the z axis; z is not yet scaled to `t`.
     #[inline(always)]
-    pub fn intersect<S: Lanes>(
-        &self,
-        ray: &Prepared,
-        t_max: f32,
-        mut found: impl FnMut(usize, f32, f32, f32) -> bool,
-    ) {
-        let shear = |v: usize| {
-            let p = &self.vertices[v];
-            let component = |k: usize| S::load(&p[k]).sub(S::splat(ray.origin[k]));
-            let z = component(ray.kz);
-            let x = component(ray.kx).sub(S::splat(ray.sx).mul(z));
-            let y = component(ray.ky).sub(S::splat(ray.sy).mul(z));
-            (x, y, z)
-        };
-        let (ax, ay, az) = shear(0);
-        let (bx, by, bz) = shear(1);
-        let (cx, cy, cz) = shear(2);
+    fn shear<S: Lanes>(&self, vertex: usize, ray: &Prepared, origin: [S; 3], sx: S, sy: S) -> (S, S, S) {
+        let p = &self.vertices[vertex];
+        let z = S::load(&p[ray.kz]).sub(origin[2]);
+        let x = S::load(&p[ray.kx]).sub(origin[0]).sub(sx.mul(z));
+        let y = S::load(&p[ray.ky]).sub(origin[1]).sub(sy.mul(z));
+        (x, y, z)
+    }
+
+    /// The triangles that the ray may meet with `t_min < t ≤ t_max`: [`Candidates::next`] gives the hits.
+    #[inline(always)]
+    pub fn intersect<S: Lanes>(&self, ray: &Prepared, t_max: f32) -> Option<Candidates> {
+        let origin = [ray.kx, ray.ky, ray.kz].map(|k| S::splat(ray.origin[k]));
+        let (sx, sy) = (S::splat(ray.sx), S::splat(ray.sy));
+        let (ax, ay, az) = self.shear(0, ray, origin, sx, sy);
+        let (bx, by, bz) = self.shear(1, ray, origin, sx, sy);
+        let (cx, cy, cz) = self.shear(2, ray, origin, sx, sy);
         let u = cx.mul(by).sub(cy.mul(bx));
         let v = ax.mul(cy).sub(ay.mul(cx));
         let w = bx.mul(ay).sub(by.mul(ax));
         let zero = S::splat(0.0);
         let inside = zero.le(u.min(v).min(w)).or(u.max(v).max(w).le(zero));
         if inside.signs() == 0 {
-            return;
+            return None;
         }
 
         let det = u.add(v).add(w);
@@ -71,34 +69,20 @@ impl Packet {
         // The edge functions' rounding errors, at most 2 units of `extent²` each, spread the distance by at most
         // 6 units · extent² · depth / |det| along z. Where that is too much (slivers, grazing rays), or a sign is
         // unsure, the lane is done again in `f64`.
-        let extent = |a: S, b: S, c: S| a.abs().max(b.abs()).max(c.abs());
-        let extent = extent(ax, ay, bx).max(extent(by, cx, cy));
+        let extent_x = ax.abs().max(bx.abs()).max(cx.abs());
+        let extent_y = ay.abs().max(by.abs()).max(cy.abs());
+        let extent = extent_x.max(extent_y);
         let depth = az.max(bz).max(cz).sub(az.min(bz).min(cz));
         let error = extent.mul(extent).mul(depth).mul(S::splat(6.0 / (1u32 << 24) as f32));
         let trusted = error.lt(det.abs().mul(S::splat(ray.tolerance)));
         let nonzero = zero.lt(u.abs().min(v.abs()).min(w.abs()));
         let sure = trusted.and(nonzero).signs();
         let within = S::splat(ray.t_min).lt(t).and(t.le(S::splat(t_max)));
-        let mut lanes = inside.signs() & (within.signs() | !sure);
+        let lanes = inside.signs() & (within.signs() | !sure);
         if lanes == 0 {
-            return;
+            return None;
         }
-        let (t, det, v, w) = (t.store().0, det.store().0, v.store().0, w.store().0);
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize & 7;
-            lanes &= lanes - 1;
-            let done = if sure >> lane & 1 != 0 {
-                found(lane, t[lane], v[lane] / det[lane], w[lane] / det[lane])
-            } else {
-                match self.intersect_exact(lane, ray) {
-                    Some((t, u, v)) if t > ray.t_min && t <= t_max => found(lane, t, u, v),
-                    _ => false,
-                }
-            };
-            if done {
-                return;
-            }
-        }
+        Some(Candidates { lanes, sure, t: t.store(), det: det.store(), v: v.store(), w: w.store() })
     }
 
     /// One lane with edge functions in `f64`: their signs are exact for the sheared `f32` vertices.
@@ -127,5 +111,40 @@ impl Packet {
         }
         let t = (u * az + v * bz + w * cz) / det * ray.sz as f64;
         Some((t as f32, (v / det) as f32, (w / det) as f32))
+    }
+}
+
+/// What is left of a packet after the test of all lanes at once.
+pub(crate) struct Candidates {
+    lanes: u32,
+    /// Lanes whose `f32` result stands.
+    sure: u32,
+    t: F32x8,
+    det: F32x8,
+    v: F32x8,
+    w: F32x8,
+}
+
+impl Candidates {
+    /// The next hit with `t_min < t ≤ t_max`: lane, t, u, v.
+    #[inline(always)]
+    pub fn next(&mut self, packet: &Packet, ray: &Prepared, t_max: f32) -> Option<(usize, f32, f32, f32)> {
+        while self.lanes != 0 {
+            let lane = self.lanes.trailing_zeros() as usize & 7;
+            self.lanes &= self.lanes - 1;
+            let (t, u, v) = if self.sure >> lane & 1 != 0 {
+                let det = self.det.0[lane];
+                (self.t.0[lane], self.v.0[lane] / det, self.w.0[lane] / det)
+            } else {
+                match packet.intersect_exact(lane, ray) {
+                    Some(hit) => hit,
+                    None => continue,
+                }
+            };
+            if t > ray.t_min && t <= t_max {
+                return Some((lane, t, u, v));
+            }
+        }
+        None
     }
 }
