@@ -1,1 +1,65 @@
-//! stub
+//! Files to [`Scene`](etendue_scene::Scene): glTF 2.0 in its two forms, `.gltf` and `.glb`.
+//!
+//! ```no_run
+//! use etendue_import::{ImportOptions, import};
+//! let model = import("helmet.glb".as_ref(), &ImportOptions::default())?;
+//! for w in &model.warnings {
+//!     eprintln!("{w}");
+//! }
+//! println!("{} triangles", model.scene.triangle_count());
+//! # Ok::<(), etendue_import::ImportError>(())
+//! ```
+//!
+//! # How a file becomes a scene
+//!
+//! 1. `glb` splits the container, `json` and `document` read the JSON into typed values; faults carry a JSON pointer.
+//! 2. `nodes` checks that the hierarchy is a forest; `buffers` loads the bytes; `accessor` opens typed arrays in them,
+//!    each checked to lie within its buffer before anything is read.
+//! 3. `animation` evaluates the pose; `plan` walks the visible nodes and notes which meshes have to be built, in which
+//!    state of morphing and skinning, for which material, and where they stand. Equal meshes are built once. Here
+//!    everything is booked against the [`Limits`].
+//! 4. `geometry` builds the meshes (`topology`, `skin`, `clean`, `tangents`) while `texture` decodes the images, on all
+//!    cores.
+//!
+//! # What never happens
+//!
+//! No input makes this crate panic, recurse without bound or allocate out of proportion to the bytes it was given. No
+//! number that is not finite reaches the scene. Nothing in the file is left out silently: what is not supported is
+//! named by a [`Warning`] or an [`ImportError`].
+#![forbid(unsafe_code)]
+
+mod accessor;
+mod animation;
+mod buffers;
+mod clean;
+mod document;
+mod error;
+mod extensions;
+mod geometry;
+mod glb;
+mod import;
+mod info;
+mod json;
+mod limits;
+mod material;
+mod nodes;
+mod place;
+mod plan;
+mod skin;
+mod source;
+mod tangents;
+mod texture;
+mod topology;
+mod uri;
+mod warning;
+
+pub use animation::AnimationChoice;
+pub use error::ImportError;
+pub use extensions::{Support, support};
+pub use import::{ImportOptions, Imported, import, import_bytes};
+pub use info::{
+    AnimationInfo, CameraInfo, Counts, ExtensionInfo, ImageInfo, Info, LightInfo, MaterialInfo, MeshInfo,
+    PrimitiveInfo,
+};
+pub use limits::Limits;
+pub use warning::Warning;

@@ -1,0 +1,287 @@
+//! Typed arrays out of raw bytes: strides, component types, normalisation, sparse replacement.
+
+use crate::buffers::Buffers;
+use crate::document::{Accessor, Component, Document, Shape, Sparse, get};
+use crate::error::Fault;
+
+/// Opens accessors of a document whose buffers are loaded.
+#[derive(Clone, Copy)]
+pub(crate) struct Accessors<'a> {
+    pub doc: &'a Document<'a>,
+    pub buffers: &'a Buffers<'a>,
+}
+
+/// An accessor whose every element is known to lie within its buffer.
+pub(crate) struct Elements<'a> {
+    index: u32,
+    accessor: &'a Accessor,
+    /// Bytes from the first element on, and the distance between elements; `None`: all zero.
+    base: Option<(&'a [u8], usize)>,
+    overlay: Option<Overlay<'a>>,
+}
+
+/// The sparse part: `indices[k]` is replaced by element `k` of `values`.
+struct Overlay<'a> {
+    /// Strictly increasing, all below the accessor's count.
+    indices: Vec<u32>,
+    values: &'a [u8],
+}
+
+/// A component as it is stored.
+trait Stored<const S: usize>: Copy {
+    fn read(bytes: [u8; S]) -> Self;
+}
+macro_rules! stored {
+    ($($t:ty, $s:literal);*) => { $(impl Stored<$s> for $t {
+        #[inline(always)]
+        fn read(bytes: [u8; $s]) -> Self { <$t>::from_le_bytes(bytes) }
+    })* };
+}
+stored!(i8, 1; u8, 1; i16, 2; u16, 2; u32, 4; f32, 4);
+
+impl<'a> Accessors<'a> {
+    /// Opens accessor `index`, to which `from` refers as its `what`. It must have one of the `shapes`.
+    pub fn open(
+        &self,
+        index: u32,
+        what: &str,
+        shapes: &[Shape],
+        from: impl Fn() -> String,
+    ) -> Result<Elements<'a>, Fault> {
+        let accessor = get(&self.doc.accessors, index, "accessor", &from)?;
+        if !shapes.contains(&accessor.shape) {
+            let names: Vec<&str> = shapes.iter().map(|s| s.name()).collect();
+            return Err(Fault::invalid(
+                from(),
+                format!(
+                    "{what} needs {}, accessor {index} has {}",
+                    names.join(" or "),
+                    accessor.shape.name()
+                ),
+            ));
+        }
+        let pointer = || format!("/accessors/{index}");
+        // Vertices are counted in 32 bits everywhere after this.
+        if accessor.count > u32::MAX.into() {
+            return Err(Fault::invalid(
+                format!("{}/count", pointer()),
+                format!("{} elements are more than the data can hold", accessor.count),
+            ));
+        }
+        let size = accessor.shape.size(accessor.component);
+        let base = match accessor.buffer_view {
+            None => None,
+            Some(v) => {
+                let bytes = self.buffers.view(self.doc, v, || format!("{}/bufferView", pointer()))?;
+                let stride = self.doc.buffer_views[v as usize].byte_stride.unwrap_or(size);
+                if stride < size {
+                    return Err(Fault::invalid(
+                        format!("/bufferViews/{v}/byteStride"),
+                        format!("a stride of {stride} bytes for elements of {size} (accessor {index})"),
+                    ));
+                }
+                let bytes = span(bytes, accessor.byte_offset, accessor.count, stride, size).ok_or_else(|| {
+                    Fault::invalid(
+                        pointer(),
+                        format!(
+                            "{} elements of {size} bytes, {stride} apart, from byte {} reach beyond buffer view \
+                             {v} of {} bytes",
+                            accessor.count,
+                            accessor.byte_offset,
+                            bytes.len()
+                        ),
+                    )
+                })?;
+                Some((bytes, stride as usize))
+            }
+        };
+        let overlay = match &accessor.sparse {
+            Some(s) => Some(self.overlay(s, accessor, size, &format!("{}/sparse", pointer()))?),
+            None => None,
+        };
+        Ok(Elements { index, accessor, base, overlay })
+    }
+
+    fn overlay(&self, s: &Sparse, a: &Accessor, size: u64, pointer: &str) -> Result<Overlay<'a>, Fault> {
+        let part = |view: u32, offset: u64, size: u64, name: &str| {
+            let bytes = self.buffers.view(self.doc, view, || format!("{pointer}/{name}/bufferView"))?;
+            span(bytes, offset, s.count, size, size).ok_or_else(|| {
+                Fault::invalid(
+                    format!("{pointer}/{name}"),
+                    format!(
+                        "{} entries of {size} bytes from byte {offset} reach beyond buffer view {view} of {} bytes",
+                        s.count,
+                        bytes.len()
+                    ),
+                )
+            })
+        };
+        let width = s.indices_component.size();
+        let raw = part(s.indices_view, s.indices_offset, width, "indices")?;
+        let values = part(s.values_view, s.values_offset, size, "values")?;
+        let indices: Vec<u32> = raw
+            .chunks_exact(width as usize)
+            .map(|b| match *b {
+                [a] => a.into(),
+                [a, b] => u16::from_le_bytes([a, b]).into(),
+                [a, b, c, d] => u32::from_le_bytes([a, b, c, d]),
+                _ => unreachable!("sparse indices have 1, 2 or 4 bytes"),
+            })
+            .collect();
+        if !indices.is_sorted_by(|a, b| a < b) {
+            return Err(Fault::invalid(format!("{pointer}/indices"), "the indices do not strictly increase"));
+        }
+        if let Some(last) = indices.last().filter(|&&i| u64::from(i) >= a.count) {
+            return Err(Fault::invalid(
+                format!("{pointer}/indices"),
+                format!("index {last} is beyond the accessor's {} elements", a.count),
+            ));
+        }
+        Ok(Overlay { indices, values })
+    }
+}
+
+/// The bytes of `count` elements of `size`, `stride` apart, from `offset` on; `None` if they are not all there.
+fn span(bytes: &[u8], offset: u64, count: u64, stride: u64, size: u64) -> Option<&[u8]> {
+    if count == 0 {
+        return Some(&[]);
+    }
+    let length = (count - 1).checked_mul(stride)?.checked_add(size)?;
+    let end = offset.checked_add(length)?;
+    bytes.get(usize::try_from(offset).ok()?..usize::try_from(end).ok()?)
+}
+
+impl Elements<'_> {
+    /// Number of elements.
+    pub fn len(&self) -> usize {
+        self.accessor.count as usize
+    }
+
+    /// Type of the components.
+    pub fn component(&self) -> Component {
+        self.accessor.component
+    }
+
+    /// Components per element.
+    pub fn shape(&self) -> Shape {
+        self.accessor.shape
+    }
+
+    /// Whether integers stand for 0..1 or −1..1.
+    pub fn normalized(&self) -> bool {
+        self.accessor.normalized
+    }
+
+    /// Whether there are any data: an accessor without a buffer view and without sparse values is all zero.
+    pub fn has_data(&self) -> bool {
+        self.base.is_some() || self.overlay.is_some()
+    }
+
+    /// JSON pointer to the accessor.
+    pub fn pointer(&self) -> String {
+        format!("/accessors/{}", self.index)
+    }
+
+    /// The elements as floats; integers are normalised if the accessor says so (glTF 2.0, 3.6.2.2). With `pick`, only
+    /// those elements, in that order; every one must be below [`Elements::len`].
+    pub fn floats<const N: usize>(&self, pick: Option<&[u32]>) -> Vec<[f32; N]> {
+        self.floats_as(pick, self.accessor.normalized)
+    }
+
+    /// [`Elements::floats`] with integers normalised, whatever the accessor says: for colours and weights, which have
+    /// no other meaning.
+    pub fn unit_floats<const N: usize>(&self, pick: Option<&[u32]>) -> Vec<[f32; N]> {
+        self.floats_as(pick, true)
+    }
+
+    fn floats_as<const N: usize>(&self, pick: Option<&[u32]>, normalized: bool) -> Vec<[f32; N]> {
+        match (self.accessor.component, normalized) {
+            (Component::F32, _) => self.gather(pick, |c: f32| c),
+            (Component::U32, _) => self.gather(pick, |c: u32| c as f32),
+            (Component::I8, false) => self.gather(pick, |c: i8| c.into()),
+            (Component::U8, false) => self.gather(pick, |c: u8| c.into()),
+            (Component::I16, false) => self.gather(pick, |c: i16| c.into()),
+            (Component::U16, false) => self.gather(pick, |c: u16| c.into()),
+            (Component::I8, true) => self.gather(pick, |c: i8| (f32::from(c) / 127.0).max(-1.0)),
+            (Component::U8, true) => self.gather(pick, |c: u8| f32::from(c) / 255.0),
+            (Component::I16, true) => self.gather(pick, |c: i16| (f32::from(c) / 32767.0).max(-1.0)),
+            (Component::U16, true) => self.gather(pick, |c: u16| f32::from(c) / 65535.0),
+        }
+    }
+
+    /// The elements as whole numbers; `None` unless they are stored as unsigned integers.
+    pub fn integers<const N: usize>(&self, pick: Option<&[u32]>) -> Option<Vec<[u32; N]>> {
+        Some(match self.accessor.component {
+            Component::U8 => self.gather(pick, |c: u8| c.into()),
+            Component::U16 => self.gather(pick, |c: u16| c.into()),
+            Component::U32 => self.gather(pick, |c: u32| c),
+            Component::I8 | Component::I16 | Component::F32 => return None,
+        })
+    }
+
+    fn gather<C, T, const S: usize, const N: usize>(
+        &self,
+        pick: Option<&[u32]>,
+        convert: impl Fn(C) -> T,
+    ) -> Vec<[T; N]>
+    where
+        C: Stored<S>,
+        T: Copy + Default,
+    {
+        debug_assert_eq!(self.accessor.shape.components(), N as u64);
+        debug_assert_eq!(self.accessor.component.size(), S as u64);
+        // Only matrices have gaps between their columns.
+        let gap = match self.accessor.shape {
+            Shape::Mat2 => Some((2, (2 * S).next_multiple_of(4))),
+            Shape::Mat3 => Some((3, (3 * S).next_multiple_of(4))),
+            _ => None,
+        };
+        let element = |bytes: &[u8]| -> [T; N] {
+            std::array::from_fn(|i| {
+                let at = match gap {
+                    None => i * S,
+                    Some((rows, column)) => i / rows * column + i % rows * S,
+                };
+                let mut c = [0; S];
+                c.copy_from_slice(&bytes[at..at + S]);
+                convert(C::read(c))
+            })
+        };
+        let size = self.accessor.shape.size(self.accessor.component) as usize;
+        let mut out: Vec<[T; N]> = match (self.base, pick) {
+            (None, _) => vec![[T::default(); N]; pick.map_or(self.len(), <[u32]>::len)],
+            (Some((bytes, stride)), Some(pick)) => pick
+                .iter()
+                .map(|&i| {
+                    let at = i as usize * stride;
+                    element(&bytes[at..at + size])
+                })
+                .collect(),
+            (Some((bytes, stride)), None) if stride == size => {
+                bytes.chunks_exact(size).map(element).collect()
+            }
+            // The last element may end before a whole stride does.
+            (Some((bytes, stride)), None) => {
+                bytes.chunks(stride).take(self.len()).map(|b| element(&b[..size])).collect()
+            }
+        };
+        if let Some(o) = &self.overlay {
+            let value = |k: usize| element(&o.values[k * size..(k + 1) * size]);
+            match pick {
+                None => {
+                    for (k, &i) in o.indices.iter().enumerate() {
+                        out[i as usize] = value(k);
+                    }
+                }
+                Some(pick) => {
+                    for (slot, i) in out.iter_mut().zip(pick) {
+                        if let Ok(k) = o.indices.binary_search(i) {
+                            *slot = value(k);
+                        }
+                    }
+                }
+            }
+        }
+        out
+    }
+}

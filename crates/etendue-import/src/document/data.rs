@@ -1,0 +1,209 @@
+//! `buffers`, `bufferViews`, `accessors`.
+
+use crate::error::Fault;
+use crate::extensions;
+use crate::json::Reader;
+use serde_json::Value;
+
+/// A block of bytes: in the GLB, in a data URI or in a file.
+pub(crate) struct Buffer<'v> {
+    pub uri: Option<&'v str>,
+    pub byte_length: u64,
+}
+
+impl<'v> Buffer<'v> {
+    pub fn read(r: &mut Reader<'v>, v: &'v Value) -> Result<Self, Fault> {
+        let o = r.object(v)?;
+        Ok(Self {
+            uri: r.opt(o, "uri", Reader::string)?,
+            byte_length: r.req(o, "byteLength", Reader::count)?,
+        })
+    }
+}
+
+/// A range of a buffer.
+pub(crate) struct BufferView {
+    pub buffer: u32,
+    pub byte_offset: u64,
+    pub byte_length: u64,
+    pub byte_stride: Option<u64>,
+    /// Whether the real data are compressed by `EXT_meshopt_compression` and these are the fallback.
+    pub meshopt: bool,
+}
+
+impl BufferView {
+    pub fn read<'v>(r: &mut Reader<'v>, v: &'v Value) -> Result<Self, Fault> {
+        let o = r.object(v)?;
+        let byte_stride = r.opt(o, "byteStride", |r, v| match r.count(v)? {
+            n @ 4..=252 => Ok(n),
+            n => Err(r.fault(format!("a stride of 4 to 252 bytes is needed, not {n}"))),
+        })?;
+        let meshopt = ["EXT_meshopt_compression", "KHR_meshopt_compression"]
+            .into_iter()
+            .any(|e| matches!(o.get("extensions"), Some(Value::Object(x)) if x.contains_key(e)));
+        Ok(Self {
+            buffer: r.req(o, "buffer", Reader::index)?,
+            byte_offset: r.opt(o, "byteOffset", Reader::count)?.unwrap_or(0),
+            byte_length: r.req(o, "byteLength", Reader::count)?,
+            byte_stride,
+            meshopt,
+        })
+    }
+}
+
+/// Type of one component of an accessor's elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Component {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+impl Component {
+    /// Bytes.
+    pub fn size(self) -> u64 {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
+
+    fn read<'v>(r: &mut Reader<'v>, v: &'v Value) -> Result<Self, Fault> {
+        Ok(match r.count(v)? {
+            5120 => Self::I8,
+            5121 => Self::U8,
+            5122 => Self::I16,
+            5123 => Self::U16,
+            5125 => Self::U32,
+            5126 => Self::F32,
+            n => return Err(r.fault(format!("{n} is no component type (5120-5123, 5125, 5126 are)"))),
+        })
+    }
+}
+
+/// How many components an element has, and how they are laid out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Shape {
+    Scalar,
+    Vec2,
+    Vec3,
+    Vec4,
+    Mat2,
+    Mat3,
+    Mat4,
+}
+
+impl Shape {
+    /// Name in the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scalar => "SCALAR",
+            Self::Vec2 => "VEC2",
+            Self::Vec3 => "VEC3",
+            Self::Vec4 => "VEC4",
+            Self::Mat2 => "MAT2",
+            Self::Mat3 => "MAT3",
+            Self::Mat4 => "MAT4",
+        }
+    }
+
+    /// Components per element.
+    pub fn components(self) -> u64 {
+        match self {
+            Self::Scalar => 1,
+            Self::Vec2 => 2,
+            Self::Vec3 => 3,
+            Self::Vec4 | Self::Mat2 => 4,
+            Self::Mat3 => 9,
+            Self::Mat4 => 16,
+        }
+    }
+
+    /// Bytes of one element of `component`s. A matrix column starts at a multiple of four bytes (glTF 2.0, 3.6.2.4).
+    pub fn size(self, component: Component) -> u64 {
+        let c = component.size();
+        match self {
+            Self::Mat2 => 2 * (2 * c).next_multiple_of(4),
+            Self::Mat3 => 3 * (3 * c).next_multiple_of(4),
+            _ => self.components() * c,
+        }
+    }
+
+    fn read<'v>(r: &mut Reader<'v>, v: &'v Value) -> Result<Self, Fault> {
+        Ok(match r.string(v)? {
+            "SCALAR" => Self::Scalar,
+            "VEC2" => Self::Vec2,
+            "VEC3" => Self::Vec3,
+            "VEC4" => Self::Vec4,
+            "MAT2" => Self::Mat2,
+            "MAT3" => Self::Mat3,
+            "MAT4" => Self::Mat4,
+            s => return Err(r.fault(format!("`{s}` is no accessor type"))),
+        })
+    }
+}
+
+/// Elements that differ from the accessor's own.
+pub(crate) struct Sparse {
+    pub count: u64,
+    pub indices_view: u32,
+    pub indices_offset: u64,
+    pub indices_component: Component,
+    pub values_view: u32,
+    pub values_offset: u64,
+}
+
+impl Sparse {
+    fn read<'v>(r: &mut Reader<'v>, v: &'v Value) -> Result<Self, Fault> {
+        let o = r.object(v)?;
+        let count = r.req(o, "count", Reader::count)?;
+        let (indices_view, indices_offset, indices_component) = r.req(o, "indices", |r, v| {
+            let o = r.object(v)?;
+            let component = r.req(o, "componentType", |r, v| match Component::read(r, v)? {
+                c @ (Component::U8 | Component::U16 | Component::U32) => Ok(c),
+                _ => Err(r.fault("sparse indices are unsigned integers (5121, 5123, 5125)")),
+            })?;
+            Ok((
+                r.req(o, "bufferView", Reader::index)?,
+                r.opt(o, "byteOffset", Reader::count)?.unwrap_or(0),
+                component,
+            ))
+        })?;
+        let (values_view, values_offset) = r.req(o, "values", |r, v| {
+            let o = r.object(v)?;
+            Ok((r.req(o, "bufferView", Reader::index)?, r.opt(o, "byteOffset", Reader::count)?.unwrap_or(0)))
+        })?;
+        Ok(Self { count, indices_view, indices_offset, indices_component, values_view, values_offset })
+    }
+}
+
+/// A typed array in a buffer view. `min` and `max` are hints that nothing here relies on; they are not read.
+pub(crate) struct Accessor {
+    pub buffer_view: Option<u32>,
+    pub byte_offset: u64,
+    pub component: Component,
+    pub normalized: bool,
+    pub count: u64,
+    pub shape: Shape,
+    pub sparse: Option<Box<Sparse>>,
+}
+
+impl Accessor {
+    pub fn read<'v>(r: &mut Reader<'v>, v: &'v Value) -> Result<Self, Fault> {
+        let o = r.object(v)?;
+        r.other_extensions(o, &extensions::ON_ACCESSOR);
+        Ok(Self {
+            buffer_view: r.opt(o, "bufferView", Reader::index)?,
+            byte_offset: r.opt(o, "byteOffset", Reader::count)?.unwrap_or(0),
+            component: r.req(o, "componentType", Component::read)?,
+            normalized: r.opt(o, "normalized", Reader::boolean)?.unwrap_or(false),
+            count: r.req(o, "count", Reader::count)?,
+            shape: r.req(o, "type", Shape::read)?,
+            sparse: r.opt(o, "sparse", |r, v| Sparse::read(r, v).map(Box::new))?,
+        })
+    }
+}

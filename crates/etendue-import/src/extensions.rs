@@ -1,0 +1,107 @@
+//! Which glTF extensions are understood, and how far.
+
+use crate::error::Fault;
+use crate::warning::Warnings;
+
+pub(crate) const DRACO: &str = "KHR_draco_mesh_compression";
+pub(crate) const EMISSIVE_STRENGTH: &str = "KHR_materials_emissive_strength";
+pub(crate) const GPU_INSTANCING: &str = "EXT_mesh_gpu_instancing";
+pub(crate) const IOR: &str = "KHR_materials_ior";
+pub(crate) const LIGHTS_PUNCTUAL: &str = "KHR_lights_punctual";
+pub(crate) const MESH_QUANTIZATION: &str = "KHR_mesh_quantization";
+pub(crate) const SPECULAR: &str = "KHR_materials_specular";
+pub(crate) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
+pub(crate) const TEXTURE_WEBP: &str = "EXT_texture_webp";
+pub(crate) const UNLIT: &str = "KHR_materials_unlit";
+
+/// Extensions that may stand on an object of the kind and need no warning there.
+pub(crate) const ON_ACCESSOR: [&str; 0] = [];
+/// Draco's own errors are more precise than a warning.
+pub(crate) const ON_PRIMITIVE: [&str; 1] = [DRACO];
+pub(crate) const ON_MATERIAL: [&str; 4] = [UNLIT, EMISSIVE_STRENGTH, IOR, SPECULAR];
+pub(crate) const ON_NODE: [&str; 2] = [LIGHTS_PUNCTUAL, GPU_INSTANCING];
+
+/// How far an extension is supported.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Support {
+    /// As its specification says.
+    Full,
+    /// With exceptions, which warnings name.
+    Partly,
+    /// Its data are skipped; the picture is made without it.
+    Ignored,
+    /// Its data cannot be skipped: a file that requires it is refused.
+    Refused,
+}
+
+/// What is done about each extension; every one that is not listed is unknown.
+const TABLE: &[(&str, Support)] = &[
+    (EMISSIVE_STRENGTH, Support::Full),
+    (GPU_INSTANCING, Support::Full),
+    (IOR, Support::Full),
+    (LIGHTS_PUNCTUAL, Support::Full),
+    (MESH_QUANTIZATION, Support::Full),
+    (SPECULAR, Support::Full),
+    (TEXTURE_TRANSFORM, Support::Full),
+    (TEXTURE_WEBP, Support::Full),
+    (UNLIT, Support::Full),
+    ("KHR_materials_anisotropy", Support::Ignored),
+    ("KHR_materials_clearcoat", Support::Ignored),
+    ("KHR_materials_diffuse_transmission", Support::Ignored),
+    ("KHR_materials_dispersion", Support::Ignored),
+    ("KHR_materials_iridescence", Support::Ignored),
+    ("KHR_materials_pbrSpecularGlossiness", Support::Ignored),
+    ("KHR_materials_sheen", Support::Ignored),
+    ("KHR_materials_transmission", Support::Ignored),
+    ("KHR_materials_variants", Support::Ignored),
+    ("KHR_materials_volume", Support::Ignored),
+    ("KHR_animation_pointer", Support::Ignored),
+    ("KHR_node_visibility", Support::Ignored),
+    ("KHR_xmp", Support::Ignored),
+    ("KHR_xmp_json_ld", Support::Ignored),
+    (DRACO, Support::Refused),
+    ("EXT_meshopt_compression", Support::Refused),
+    ("KHR_meshopt_compression", Support::Refused),
+    ("KHR_texture_basisu", Support::Refused),
+    ("MSFT_texture_dds", Support::Refused),
+];
+
+/// How far the extension `name` is supported; `None` if nothing here knows it.
+pub fn support(name: &str) -> Option<Support> {
+    TABLE.iter().find(|(n, _)| *n == name).map(|&(_, s)| s)
+}
+
+/// Refuses a file that requires what cannot be left out. An extension that only refines the look is let through with
+/// a warning: a picture that says what it lacks serves better than none.
+pub(crate) fn check_required(required: &[&str], warnings: &mut Warnings) -> Result<(), Fault> {
+    let refused: Vec<&str> = required
+        .iter()
+        .copied()
+        .filter(|n| matches!(support(n), None | Some(Support::Refused)))
+        .take(16)
+        .collect();
+    if !refused.is_empty() {
+        let hint = if refused.contains(&DRACO) || refused.iter().any(|n| n.ends_with("meshopt_compression")) {
+            "; export the model without mesh compression"
+        } else if refused.contains(&"KHR_texture_basisu") {
+            "; export the model with PNG, JPEG or WebP textures"
+        } else {
+            ""
+        };
+        return Err(Fault::Unsupported {
+            pointer: "/extensionsRequired".into(),
+            what: refused.join(", "),
+            hint: hint.into(),
+        });
+    }
+    for name in required.iter().filter(|n| support(n) == Some(Support::Ignored)) {
+        warnings.add(
+            "/extensionsRequired",
+            format!(
+                "{name} is required but not supported yet; the picture will differ from the intended one"
+            ),
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,360 @@
+//! What a file contains, for people who want to know before they render.
+
+use crate::buffers::Buffers;
+use crate::document::{Accessor, Document, LightShape, Mode, Projection};
+use crate::extensions::{Support, support};
+use crate::texture::Decoded;
+use crate::uri;
+use etendue_scene::Scene;
+use serde::Serialize;
+use std::collections::HashMap;
+
+/// The contents of a model file, and what became of them.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Info {
+    /// Name or path of the file.
+    pub file: String,
+    /// `GLB` or `glTF`.
+    pub format: &'static str,
+    /// Size of the file, bytes.
+    pub bytes: u64,
+    /// Size of the buffer files beside it, bytes.
+    pub external_bytes: u64,
+    /// Version of glTF that it was written for.
+    pub version: String,
+    /// The program that wrote it.
+    pub generator: Option<String>,
+    /// Whose it is.
+    pub copyright: Option<String>,
+    /// Name of the scene that is shown.
+    pub scene: Option<String>,
+    /// How many of each there are.
+    pub counts: Counts,
+    /// The extensions that the file names.
+    pub extensions: Vec<ExtensionInfo>,
+    /// Its meshes.
+    pub meshes: Vec<MeshInfo>,
+    /// Its materials.
+    pub materials: Vec<MaterialInfo>,
+    /// Its images.
+    pub images: Vec<ImageInfo>,
+    /// Its cameras.
+    pub cameras: Vec<CameraInfo>,
+    /// Its punctual lights.
+    pub lights: Vec<LightInfo>,
+    /// Its animations.
+    pub animations: Vec<AnimationInfo>,
+}
+
+/// Numbers of things: in the file, and in the scene that is shown.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Counts {
+    /// Scenes in the file.
+    pub scenes: u64,
+    /// Nodes in the file.
+    pub nodes: u64,
+    /// Nodes that the scene shows.
+    pub visible_nodes: u64,
+    /// Meshes in the file.
+    pub meshes: u64,
+    /// Primitives in the file's meshes.
+    pub primitives: u64,
+    /// Triangles in the file's meshes, each counted once.
+    pub triangles: u64,
+    /// Vertices in the file's meshes, each counted once per primitive.
+    pub vertices: u64,
+    /// Materials in the file.
+    pub materials: u64,
+    /// Textures in the file.
+    pub textures: u64,
+    /// Images in the file.
+    pub images: u64,
+    /// Skins in the file.
+    pub skins: u64,
+    /// Placed meshes in the scene.
+    pub instances: u64,
+    /// Triangles in the scene, counted once per instance.
+    pub shown_triangles: u64,
+    /// Bytes of the scene's decoded images.
+    pub image_bytes: u64,
+}
+
+/// An extension that a file names.
+#[derive(Clone, Debug, Serialize)]
+pub struct ExtensionInfo {
+    /// Its name.
+    pub name: String,
+    /// Whether the file says that it cannot be shown without.
+    pub required: bool,
+    /// How far it is supported; `None` if it is unknown.
+    pub support: Option<Support>,
+}
+
+/// A mesh of the file.
+#[derive(Clone, Debug, Serialize)]
+pub struct MeshInfo {
+    /// Its name.
+    pub name: String,
+    /// Its primitives.
+    pub primitives: Vec<PrimitiveInfo>,
+}
+
+/// A primitive of a mesh.
+#[derive(Clone, Debug, Serialize)]
+pub struct PrimitiveInfo {
+    /// `triangles`, `strip`, `fan`, `lines` or `points`.
+    pub mode: &'static str,
+    /// Triangles that it makes.
+    pub triangles: u64,
+    /// Vertices that it has.
+    pub vertices: u64,
+    /// Names of its attributes.
+    pub attributes: Vec<String>,
+    /// Number of its material.
+    pub material: Option<u32>,
+    /// Number of its morph targets.
+    pub morph_targets: u64,
+}
+
+/// A material of the file: what it sets.
+#[derive(Clone, Debug, Serialize)]
+pub struct MaterialInfo {
+    /// Its name.
+    pub name: String,
+    /// `OPAQUE`, `MASK` or `BLEND`.
+    pub alpha_mode: String,
+    /// Whether it is seen from behind.
+    pub double_sided: bool,
+    /// Whether it is shown without lighting.
+    pub unlit: bool,
+    /// The factors that differ from glTF's defaults, as they stand in the file.
+    pub factors: Vec<(&'static str, Vec<f64>)>,
+    /// What it has textures for, with the number of the texture.
+    pub textures: Vec<(&'static str, u32)>,
+}
+
+/// An image of the file.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct ImageInfo {
+    /// Its name.
+    pub name: String,
+    /// Its file name; `None` if it is inside the model.
+    pub uri: Option<String>,
+    /// Whether the scene uses it; the fields below are known only then.
+    pub used: bool,
+    /// `PNG`, `JPEG`, `WebP`.
+    pub format: &'static str,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Channels per pixel.
+    pub channels: u8,
+    /// Bits per channel.
+    pub bits: u32,
+    /// Size of the coded image, bytes.
+    pub bytes: u64,
+    /// Size in memory, bytes.
+    pub decoded_bytes: u64,
+}
+
+/// A camera of the file.
+#[derive(Clone, Debug, Serialize)]
+pub struct CameraInfo {
+    /// Its name.
+    pub name: String,
+    /// `perspective` or `orthographic`.
+    pub kind: &'static str,
+    /// Vertical field of view (radians) or half height (metres).
+    pub size: f64,
+}
+
+/// A punctual light of the file.
+#[derive(Clone, Debug, Serialize)]
+pub struct LightInfo {
+    /// Its name.
+    pub name: String,
+    /// `directional`, `point` or `spot`.
+    pub kind: &'static str,
+    /// Candela, or lux for directional lights.
+    pub intensity: f64,
+}
+
+/// An animation of the file.
+#[derive(Clone, Debug, Serialize)]
+pub struct AnimationInfo {
+    /// Its name.
+    pub name: String,
+    /// Number of things that it moves.
+    pub channels: u64,
+}
+
+impl Info {
+    /// Describes the document itself.
+    pub(crate) fn of_document(doc: &Document<'_>) -> Self {
+        let mut info = Self {
+            version: doc.asset.version.to_owned(),
+            generator: doc.asset.generator.map(str::to_owned),
+            copyright: doc.asset.copyright.map(str::to_owned),
+            scene: doc
+                .scenes
+                .get(doc.scene.unwrap_or(0) as usize)
+                .map(|s| s.name.to_owned())
+                .filter(|n| !n.is_empty()),
+            extensions: extensions(doc),
+            meshes: doc.meshes.iter().map(|m| mesh(doc, m)).collect(),
+            materials: doc.materials.iter().map(material).collect(),
+            images: doc
+                .images
+                .iter()
+                .map(|i| ImageInfo {
+                    name: i.name.to_owned(),
+                    uri: i.uri.filter(|u| !u.starts_with("data:")).map(uri::shorten),
+                    ..ImageInfo::default()
+                })
+                .collect(),
+            cameras: doc.cameras.iter().map(camera).collect(),
+            lights: doc.lights.iter().map(light).collect(),
+            animations: doc
+                .animations
+                .iter()
+                .map(|a| AnimationInfo { name: a.name.to_owned(), channels: a.channels.len() as u64 })
+                .collect(),
+            ..Self::default()
+        };
+        let primitives = || info.meshes.iter().flat_map(|m| &m.primitives);
+        info.counts = Counts {
+            scenes: doc.scenes.len() as u64,
+            nodes: doc.nodes.len() as u64,
+            meshes: doc.meshes.len() as u64,
+            primitives: primitives().count() as u64,
+            triangles: primitives().map(|p| p.triangles).fold(0, u64::saturating_add),
+            vertices: primitives().map(|p| p.vertices).fold(0, u64::saturating_add),
+            materials: doc.materials.len() as u64,
+            textures: doc.textures.len() as u64,
+            images: doc.images.len() as u64,
+            skins: doc.skins.len() as u64,
+            ..Counts::default()
+        };
+        info
+    }
+
+    /// Adds what became of the document: `which` are the file's numbers of the `decoded` images.
+    pub(crate) fn add_scene(
+        &mut self,
+        scene: &Scene,
+        visible_nodes: usize,
+        which: &[u32],
+        decoded: &[Decoded],
+        buffers: &Buffers<'_>,
+    ) {
+        self.external_bytes = buffers.external;
+        self.counts.visible_nodes = visible_nodes as u64;
+        self.counts.instances = scene.instances.len() as u64;
+        self.counts.shown_triangles = scene.triangle_count();
+        self.counts.image_bytes = decoded.iter().map(|d| d.image.bytes() as u64).sum();
+        for (&i, d) in which.iter().zip(decoded) {
+            let info = &mut self.images[i as usize];
+            info.used = true;
+            info.format = d.format;
+            (info.width, info.height, info.channels) = (d.image.width, d.image.height, d.image.channels);
+            info.bytes = d.encoded_bytes;
+            info.decoded_bytes = d.image.bytes() as u64;
+            info.bits = (8 * d.image.bytes() / d.image.len().max(1)) as u32;
+        }
+    }
+}
+
+fn extensions(doc: &Document<'_>) -> Vec<ExtensionInfo> {
+    let mut order: Vec<&str> = Vec::new();
+    let mut required: HashMap<&str, bool> = HashMap::new();
+    for (list, is_required) in [(&doc.extensions_used, false), (&doc.extensions_required, true)] {
+        for &name in list {
+            let entry = required.entry(name).or_insert_with(|| {
+                order.push(name);
+                false
+            });
+            *entry |= is_required;
+        }
+    }
+    order
+        .into_iter()
+        .map(|n| ExtensionInfo { name: n.to_owned(), required: required[n], support: support(n) })
+        .collect()
+}
+
+fn mesh(doc: &Document<'_>, m: &crate::document::Mesh<'_>) -> MeshInfo {
+    let count = |a: Option<u32>| a.and_then(|a| doc.accessors.get(a as usize)).map(|a: &Accessor| a.count);
+    let primitive = |p: &crate::document::Primitive<'_>| {
+        let vertices = count(p.attribute("POSITION")).unwrap_or(0);
+        let corners = count(p.indices).unwrap_or(vertices);
+        let (mode, triangles) = match p.mode {
+            Mode::Points => ("points", 0),
+            Mode::Lines => ("lines", 0),
+            Mode::Triangles => ("triangles", corners / 3),
+            Mode::Strip => ("strip", corners.saturating_sub(2)),
+            Mode::Fan => ("fan", corners.saturating_sub(2)),
+        };
+        PrimitiveInfo {
+            mode,
+            triangles,
+            vertices,
+            attributes: p.attributes.iter().map(|(n, _)| (*n).to_owned()).collect(),
+            material: p.material,
+            morph_targets: p.targets.len() as u64,
+        }
+    };
+    MeshInfo { name: m.name.to_owned(), primitives: m.primitives.iter().map(primitive).collect() }
+}
+
+fn material(m: &crate::document::Material<'_>) -> MaterialInfo {
+    let specular = m.specular.unwrap_or_default();
+    let one = |v: Option<f64>| v.map(|v| vec![v]);
+    let factors = [
+        ("baseColor", m.base_color.map(|v| v.to_vec())),
+        ("metallic", one(m.metallic)),
+        ("roughness", one(m.roughness)),
+        ("normalScale", one(m.normal_scale)),
+        ("occlusionStrength", one(m.occlusion_strength)),
+        ("emissive", m.emissive.map(|v| v.to_vec())),
+        ("emissiveStrength", one(m.emissive_strength)),
+        ("alphaCutoff", one(m.alpha_cutoff)),
+        ("ior", one(m.ior)),
+        ("specular", one(specular.factor)),
+        ("specularColor", specular.color.map(|v| v.to_vec())),
+    ];
+    let textures = [
+        ("baseColor", m.base_color_texture),
+        ("metallicRoughness", m.metallic_roughness_texture),
+        ("normal", m.normal_texture),
+        ("occlusion", m.occlusion_texture),
+        ("emissive", m.emissive_texture),
+        ("specular", specular.texture),
+        ("specularColor", specular.color_texture),
+    ];
+    MaterialInfo {
+        name: m.name.to_owned(),
+        alpha_mode: m.alpha_mode.unwrap_or("OPAQUE").to_owned(),
+        double_sided: m.double_sided,
+        unlit: m.unlit,
+        factors: factors.into_iter().filter_map(|(k, v)| Some((k, v?))).collect(),
+        textures: textures.into_iter().filter_map(|(k, t)| Some((k, t?.index))).collect(),
+    }
+}
+
+fn camera(c: &crate::document::Camera<'_>) -> CameraInfo {
+    let (kind, size) = match c.projection {
+        Projection::Perspective { yfov, .. } => ("perspective", yfov),
+        Projection::Orthographic { ymag, .. } => ("orthographic", ymag),
+    };
+    CameraInfo { name: c.name.to_owned(), kind, size }
+}
+
+fn light(l: &crate::document::Light<'_>) -> LightInfo {
+    let kind = match l.shape {
+        LightShape::Directional => "directional",
+        LightShape::Point => "point",
+        LightShape::Spot { .. } => "spot",
+    };
+    LightInfo { name: l.name.to_owned(), kind, intensity: l.intensity }
+}

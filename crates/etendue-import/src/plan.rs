@@ -1,0 +1,322 @@
+//! What the visible nodes show: which meshes have to be built, and where they stand.
+
+use crate::accessor::{Accessors, Elements};
+use crate::animation::Pose;
+use crate::document::{Component, Mode, Node, Primitive, Shape, get};
+use crate::error::Fault;
+use crate::geometry::{Job, MeshKey, SkinKey, TangentSpace};
+use crate::limits::Budget;
+use crate::material;
+use crate::nodes::rotation;
+use crate::place;
+use crate::skin::narrow;
+use crate::texture::Textures;
+use crate::warning::Warnings;
+use etendue_scene::{Camera, Instance, Light, Material, TextureRef};
+use glam::{Affine3A, DAffine3, DVec3};
+use std::collections::HashMap;
+
+/// More UV sets than any exporter writes.
+const MAX_UV_SETS: u32 = 16;
+
+/// The scene before its meshes are built and its images decoded.
+pub(crate) struct Plan<'a> {
+    accessors: Accessors<'a>,
+    pose: &'a Pose,
+    globals: &'a [DAffine3],
+    occlusion: bool,
+    pub jobs: Vec<Job>,
+    by_key: HashMap<MeshKey, u32>,
+    /// `Instance::mesh` is the number of a job.
+    pub instances: Vec<Instance>,
+    pub materials: Vec<Material>,
+    by_material: HashMap<u32, u32>,
+    pub textures: Textures<'a>,
+    pub lights: Vec<Light>,
+    /// With the camera's number in the file.
+    pub cameras: Vec<(u32, Camera)>,
+    pub budget: Budget,
+    pub warnings: Warnings,
+}
+
+impl<'a> Plan<'a> {
+    pub fn new(
+        accessors: Accessors<'a>,
+        pose: &'a Pose,
+        globals: &'a [DAffine3],
+        occlusion: bool,
+        budget: Budget,
+        warnings: Warnings,
+    ) -> Self {
+        Self {
+            accessors,
+            pose,
+            globals,
+            occlusion,
+            jobs: Vec::new(),
+            by_key: HashMap::new(),
+            instances: Vec::new(),
+            materials: Vec::new(),
+            by_material: HashMap::new(),
+            textures: Textures::new(accessors.doc),
+            lights: Vec::new(),
+            cameras: Vec::new(),
+            budget,
+            warnings,
+        }
+    }
+
+    /// Adds what stands at node `i`.
+    pub fn node(&mut self, i: u32) -> Result<(), Fault> {
+        let doc = self.accessors.doc;
+        let node = &doc.nodes[i as usize];
+        let m = &self.globals[i as usize];
+        if let Some(c) = node.camera {
+            let camera = get(&doc.cameras, c, "camera", || format!("/nodes/{i}/camera"))?;
+            let made = place::camera(camera, &format!("/cameras/{c}"), node.name, m, &mut self.warnings);
+            self.cameras.extend(made.map(|camera| (c, camera)));
+        }
+        if let Some(l) = node.light {
+            let from = || format!("/nodes/{i}/extensions/KHR_lights_punctual/light");
+            let light = get(&doc.lights, l, "light", from)?;
+            let pointer = format!("/extensions/KHR_lights_punctual/lights/{l}");
+            self.lights.extend(place::light(light, &pointer, node.name, m, &mut self.warnings));
+        }
+        if let Some(mesh) = node.mesh {
+            self.mesh(i, node, mesh)?;
+        }
+        Ok(())
+    }
+
+    fn mesh(&mut self, i: u32, node: &Node<'a>, index: u32) -> Result<(), Fault> {
+        let doc = self.accessors.doc;
+        let mesh = get(&doc.meshes, index, "mesh", || format!("/nodes/{i}/mesh"))?;
+        let weights = self.pose.weights(doc, i).unwrap_or(&mesh.weights);
+        let placements = self.placements(i, node)?;
+        for (n, p) in mesh.primitives.iter().enumerate() {
+            let pointer = format!("/meshes/{index}/primitives/{n}");
+            let material = match p.material {
+                Some(m) => Some(self.material(m, || format!("{pointer}/material"))?),
+                None => None,
+            };
+            let Some((job, skinned)) = self.job(i, node, mesh.name, p, pointer, material, weights)? else {
+                continue;
+            };
+            let name = if node.name.is_empty() { mesh.name } else { node.name };
+            let here = [Affine3A::IDENTITY];
+            // A skin carries its vertices to the world by itself (glTF 2.0, 3.7.3.1).
+            let placements = if skinned { &here[..] } else { &placements[..] };
+            let bytes = (size_of::<Instance>() + name.len()) as u64;
+            let at = || format!("/nodes/{i}");
+            self.budget.instances(
+                placements.len() as u64,
+                bytes.saturating_mul(placements.len() as u64),
+                at,
+            )?;
+            for &transform in placements {
+                if transform.is_finite() {
+                    self.instances.push(Instance { name: name.to_owned(), mesh: job, material, transform });
+                } else {
+                    self.warnings.add(at(), "the transform is not finite; left out");
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Where the meshes of node `i` stand: once, or as often as `EXT_mesh_gpu_instancing` says.
+    fn placements(&mut self, i: u32, node: &Node<'a>) -> Result<Vec<Affine3A>, Fault> {
+        let global = &self.globals[i as usize];
+        let Some(attributes) = &node.instancing else { return Ok(vec![narrow(global)]) };
+        let pointer = format!("/nodes/{i}/extensions/EXT_mesh_gpu_instancing/attributes");
+        let (mut t, mut q, mut s) = (None, None, None);
+        let mut count = None;
+        for &(name, accessor) in attributes {
+            let from = || format!("{pointer}/{name}");
+            let (slot, shape) = match name {
+                "TRANSLATION" => (&mut t, Shape::Vec3),
+                "ROTATION" => (&mut q, Shape::Vec4),
+                "SCALE" => (&mut s, Shape::Vec3),
+                // Custom attributes, allowed and meaningless here.
+                _ => continue,
+            };
+            let e = self.accessors.open(accessor, name, &[shape], from)?;
+            if *count.get_or_insert(e.len()) != e.len() {
+                return Err(Fault::invalid(from(), "the instancing attributes differ in length"));
+            }
+            *slot = Some(e);
+        }
+        let count = count.unwrap_or(0);
+        self.budget.bytes(count as u64 * size_of::<Affine3A>() as u64 * 2, || pointer.clone())?;
+        let read3 = |e: Option<Elements<'_>>, default: f32| -> Vec<[f32; 3]> {
+            e.map_or_else(|| vec![[default; 3]; count], |e| e.floats(None))
+        };
+        let (t, s) = (read3(t, 0.0), read3(s, 1.0));
+        let q: Vec<[f32; 4]> =
+            q.map_or_else(|| vec![[0.0, 0.0, 0.0, 1.0]; count], |e: Elements<'_>| e.floats(None));
+        let wide = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+        Ok((0..count)
+            .map(|k| {
+                let q = rotation(q[k].map(f64::from), || {
+                    self.warnings
+                        .add(format!("{pointer}/ROTATION"), "a quaternion is not of unit length; normalised");
+                });
+                narrow(&(*global * DAffine3::from_scale_rotation_translation(wide(s[k]), q, wide(t[k]))))
+            })
+            .collect())
+    }
+
+    /// The scene's number of the file's material `index`.
+    fn material(&mut self, index: u32, from: impl Fn() -> String) -> Result<u32, Fault> {
+        if let Some(&known) = self.by_material.get(&index) {
+            return Ok(known);
+        }
+        let m = get(&self.accessors.doc.materials, index, "material", from)?;
+        let made = material::convert(index, m, &mut self.textures, self.occlusion, &mut self.warnings)?;
+        let number = self.materials.len() as u32;
+        self.materials.push(made);
+        self.by_material.insert(index, number);
+        Ok(number)
+    }
+
+    /// The job that builds primitive `p` on node `i`, and whether a skin carries it; `None` if there is nothing to see.
+    fn job(
+        &mut self,
+        i: u32,
+        node: &Node<'a>,
+        name: &str,
+        p: &Primitive<'_>,
+        pointer: String,
+        material: Option<u32>,
+        weights: &[f64],
+    ) -> Result<Option<(u32, bool)>, Fault> {
+        if matches!(p.mode, Mode::Points | Mode::Lines) {
+            let what = if p.mode == Mode::Points { "points" } else { "lines" };
+            self.warnings.add(pointer, format!("{what} are not supported; left out"));
+            return Ok(None);
+        }
+        let Some(position) = p.attribute("POSITION") else {
+            self.warnings.add(format!("{pointer}/attributes"), "no POSITION; nothing to show");
+            return Ok(None);
+        };
+        let from = || format!("{pointer}/attributes/POSITION");
+        let positions = self.accessors.open(position, "POSITION", &[Shape::Vec3], from)?;
+        if p.draco && !positions.has_data() {
+            return Err(Fault::Unsupported {
+                pointer: format!("{pointer}/extensions/KHR_draco_mesh_compression"),
+                what: "KHR_draco_mesh_compression".into(),
+                hint: "; export the model without mesh compression".into(),
+            });
+        }
+        if positions.component() == Component::U32 {
+            return Err(Fault::invalid(from(), "positions of unsigned 32-bit integers are not allowed"));
+        }
+        let (uvs, tangent_space, wants_tangents) = self.texture_space(p, material);
+        let normal = p.attribute("NORMAL");
+        let tangent = p.attribute("TANGENT").filter(|_| wants_tangents && normal.is_some());
+        let skin = self.skin(i, node, p, &pointer)?;
+        let key = MeshKey {
+            mode: p.mode,
+            indices: p.indices,
+            position,
+            normal,
+            tangent,
+            color: p.attribute("COLOR_0"),
+            uvs,
+            tangent_space: tangent_space.filter(|_| tangent.is_none()),
+            morph: self.morph(p, weights, &pointer),
+            skin,
+        };
+        let skinned = key.skin.is_some();
+        if let Some(&known) = self.by_key.get(&key) {
+            return Ok(Some((known, skinned)));
+        }
+        let job = Job { key: key.clone(), name: name.to_owned(), pointer };
+        let estimate = job.estimate(self.accessors)?;
+        let bytes = estimate.bytes.saturating_add(name.len() as u64);
+        self.budget.vertices(estimate.vertices, bytes, || job.pointer.clone())?;
+        let number = self.jobs.len() as u32;
+        self.jobs.push(job);
+        self.by_key.insert(key, number);
+        Ok(Some((number, skinned)))
+    }
+
+    /// The UV sets that a primitive needs for its material, and for which of them tangents have to be generated if the
+    /// file has none.
+    fn texture_space(
+        &mut self,
+        p: &Primitive<'_>,
+        material: Option<u32>,
+    ) -> (Vec<Option<u32>>, Option<TangentSpace>, bool) {
+        let material = material.map(|m| &self.materials[m as usize]);
+        let used = |t: &TextureRef| t.uv_set.min(MAX_UV_SETS - 1);
+        let highest = material.and_then(|m| m.textures().map(used).max()).unwrap_or(0);
+        let mut uvs: Vec<Option<u32>> = (0..=highest)
+            .map(|set| {
+                let wanted = set == 0 || material.is_some_and(|m| m.textures().any(|t| t.uv_set == set));
+                if wanted { p.attribute(&format!("TEXCOORD_{set}")) } else { None }
+            })
+            .collect();
+        while uvs.last() == Some(&None) {
+            uvs.pop();
+        }
+        let normal = material.and_then(|m| m.normal_texture);
+        let space = normal.map(|n| TangentSpace::new(n.texture.uv_set, &n.texture.transform));
+        let missing = material.and_then(|m| {
+            m.textures().map(|t| t.uv_set).find(|&s| uvs.get(s as usize).is_none_or(Option::is_none))
+        });
+        if let Some(set) = missing {
+            self.warnings.add(
+                // The place is the first of possibly many; the message is shared by them.
+                "/meshes",
+                format!("a material uses texture coordinate set {set} that its mesh does not have; looked up at 0, 0"),
+            );
+        }
+        (uvs, space, normal.is_some())
+    }
+
+    /// The targets of `p` with weights other than zero.
+    fn morph(
+        &mut self,
+        p: &Primitive<'_>,
+        weights: &[f64],
+        pointer: &str,
+    ) -> Vec<(crate::document::Target, u32)> {
+        let mut out = Vec::new();
+        for (target, &w) in p.targets.iter().zip(weights) {
+            let w = w as f32;
+            if !w.is_finite() {
+                self.warnings.add(pointer, "a morph weight is not finite; taken as 0");
+            } else if w != 0.0 {
+                out.push((*target, w.to_bits()));
+            }
+        }
+        out
+    }
+
+    fn skin(
+        &mut self,
+        i: u32,
+        node: &Node<'a>,
+        p: &Primitive<'_>,
+        pointer: &str,
+    ) -> Result<Option<SkinKey>, Fault> {
+        let Some(skin) = node.skin else { return Ok(None) };
+        let s = get(&self.accessors.doc.skins, skin, "skin", || format!("/nodes/{i}/skin"))?;
+        let influences: Vec<(u32, u32)> = (0..p.attributes.len())
+            .map_while(|n| {
+                Some((p.attribute(&format!("JOINTS_{n}"))?, p.attribute(&format!("WEIGHTS_{n}"))?))
+            })
+            .collect();
+        if influences.is_empty() || s.joints.is_empty() {
+            let why = "the node has a skin, but its mesh has no joints and weights; placed by its node";
+            self.warnings.add(pointer, why);
+            return Ok(None);
+        }
+        if node.instancing.is_some() {
+            self.warnings
+                .add(pointer, "EXT_mesh_gpu_instancing of a skinned mesh is not supported; shown once");
+        }
+        Ok(Some(SkinKey { skin, influences }))
+    }
+}

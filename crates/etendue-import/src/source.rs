@@ -1,0 +1,80 @@
+//! Where the bytes come from that a model refers to: itself, or files beside it.
+
+use crate::error::Fault;
+use crate::limits::Limits;
+use crate::uri;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+/// The surroundings of a model.
+pub(crate) struct Source<'a> {
+    /// The model's folder; `None` if it came from memory and has no surroundings.
+    pub folder: Option<&'a Path>,
+    pub limits: &'a Limits,
+}
+
+impl Source<'_> {
+    /// The bytes that `uri` refers to. `what` ("buffer", "image") and `pointer` are for messages.
+    pub fn read(&self, uri: &str, what: &'static str, pointer: &str) -> Result<Vec<u8>, Fault> {
+        if let Some(data) = uri::data(uri) {
+            return data.map_err(|e| Fault::invalid(format!("{pointer}/uri"), e));
+        }
+        let missing = |looked_for: PathBuf, reason: String| Fault::Missing {
+            pointer: format!("{pointer}/uri"),
+            what,
+            uri: uri::shorten(uri),
+            looked_for,
+            reason,
+        };
+        let Some(folder) = self.folder else {
+            return Err(missing(uri.into(), "a model from memory has no files beside it".into()));
+        };
+        let path = uri::resolve(uri, folder, self.limits.outside_folder).map_err(|(p, e)| missing(p, e))?;
+        let candidates = [Some(path.clone()), self.as_written(uri, folder)];
+        for p in candidates.into_iter().flatten() {
+            match read_file(&p, self.limits.file_bytes) {
+                Ok(bytes) => return Ok(bytes),
+                Err(ReadError::TooLarge(n)) => {
+                    return Err(Fault::TooLarge {
+                        pointer: format!("{pointer}/uri"),
+                        what: format!("{} has {n} bytes", p.display()),
+                        limit: "file_bytes",
+                    });
+                }
+                Err(ReadError::Io(e)) if e.kind() == io::ErrorKind::NotFound => {}
+                Err(ReadError::Io(e)) => return Err(missing(p, e.to_string())),
+            }
+        }
+        Err(missing(path, "no such file".into()))
+    }
+
+    /// The file as some exporters mean it, against the specification: `%20` as part of the name, or `\` for `/`.
+    fn as_written(&self, uri: &str, folder: &Path) -> Option<PathBuf> {
+        let literal = uri.replace('%', "%25").replace('\\', "/");
+        uri::resolve(&literal, folder, self.limits.outside_folder).ok()
+    }
+}
+
+/// Why a file was not read.
+pub(crate) enum ReadError {
+    Io(io::Error),
+    TooLarge(u64),
+}
+
+/// Reads a whole file of at most `limit` bytes. Folders and devices are refused.
+pub(crate) fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
+    // Opening a pipe would block, so its kind is asked first.
+    let meta = std::fs::metadata(path).map_err(ReadError::Io)?;
+    if !meta.is_file() {
+        return Err(ReadError::Io(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file")));
+    }
+    if meta.len() > limit {
+        return Err(ReadError::TooLarge(meta.len()));
+    }
+    let mut file = File::open(path).map_err(ReadError::Io)?;
+    let mut bytes = Vec::with_capacity(meta.len() as usize);
+    // The file may grow while it is read.
+    (&mut file).take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(ReadError::Io)?;
+    if bytes.len() as u64 > limit { Err(ReadError::TooLarge(bytes.len() as u64)) } else { Ok(bytes) }
+}
