@@ -1,13 +1,13 @@
 //! What is screwed onto the shell: ear pods, mouthpiece, connectors, hose, bolts, lamp.
 
-use crate::form::{angles, direction, normal, on_shell, shell};
+use crate::form::{direction, normal, on_shell, shell};
 use crate::lathe::lathe;
 use crate::noise::smoothstep;
 use crate::rim::visor_frames;
 use crate::shape::{Mesh, outline};
 use crate::sweep::{frames_in_space, sweep};
 use glam::{Mat4, Quat, Vec2, Vec3};
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::TAU;
 
 /// Place on the shell: origin at the surface, +Z along its normal, +Y as near to up as it goes.
 pub fn place_on_shell(d: Vec3, sink: f32) -> Mat4 {
@@ -37,7 +37,7 @@ pub fn pod_mesh() -> Mesh {
         ],
         2,
     );
-    lathe(&o, 56)
+    lathe(&o, 48)
 }
 
 /// Where the left ear's pod sits.
@@ -59,7 +59,7 @@ pub fn bolt_mesh() -> Mesh {
         ],
         1,
     );
-    lathe(&o, 16)
+    lathe(&o, 14)
 }
 
 /// Where the visor frame's bolts sit: on its flange, at even distances.
@@ -110,7 +110,7 @@ pub fn mouth_mesh() -> Mesh {
         ],
         3,
     );
-    let around = 72u32;
+    let around = 60u32;
     let mut m = Mesh::default();
     let mut radii: Vec<(f32, f32, Vec2)> = rings.iter().map(|q| (q.p.x / 0.047, q.p.y, q.n)).collect();
     let last = radii.len() - 1;
@@ -187,7 +187,7 @@ pub fn connector_mesh() -> Mesh {
         ],
         2,
     );
-    lathe(&o, 32)
+    lathe(&o, 28)
 }
 
 /// Where the connector on one side of the mouthpiece sits; `side` is +1 for the wearer's left.
@@ -205,7 +205,7 @@ pub fn hose_mesh() -> Mesh {
     // A cubic through air: leaves along the connector, arrives along the shell's normal.
     let controls =
         [start, start + out * 0.105, end + n * 0.115 + Vec3::new(0.0, -0.035, 0.02), end - n * 0.004];
-    let ribs = 44;
+    let ribs = 38;
     let steps = ribs * 3;
     let points: Vec<Vec3> = (0..=steps)
         .map(|i| {
@@ -217,7 +217,7 @@ pub fn hose_mesh() -> Mesh {
                 + controls[3] * (t * t * t)
         })
         .collect();
-    let around = 18;
+    let around = 14;
     let circle: Vec<_> = (0..=around)
         .map(|i| {
             let a = TAU * (i % around) as f32 / around as f32;
@@ -245,7 +245,7 @@ pub fn hose_mesh() -> Mesh {
 pub fn lamp_mesh() -> Mesh {
     let o = outline(
         &[
-            (0.0135, -0.004, 0.0),
+            (0.0135, -0.014, 0.0),
             (0.0135, 0.0070, 0.0018),
             (0.0105, 0.0080, 0.0010),
             (0.0098, 0.0058, 0.0008),
@@ -253,12 +253,12 @@ pub fn lamp_mesh() -> Mesh {
         ],
         2,
     );
-    lathe(&o, 36)
+    lathe(&o, 26)
 }
 
 /// Where the lamp sits: over the brow, turned to the front.
 pub fn lamp_place() -> Mat4 {
-    place_on_shell(direction(0.0, 0.98), 0.0) * Mat4::from_quat(Quat::from_rotation_x(0.0))
+    place_on_shell(direction(0.0, 0.92), -0.0035) * Mat4::from_quat(Quat::from_rotation_x(0.42))
 }
 
 /// The far ear's pod: the near one's place turned half around the vertical axis and front to back.
@@ -266,10 +266,4 @@ pub fn mirrored(place: Mat4) -> Mat4 {
     let mirror = Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0));
     // Mirrored twice is a rotation: no negative scale reaches the file.
     mirror * place * Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0))
-}
-
-/// Elevation and azimuth of a place, for painters.
-pub fn place_angles(p: Vec3) -> Vec2 {
-    let a = angles(p.normalize());
-    Vec2::new(a.x.clamp(-PI, PI), a.y)
 }

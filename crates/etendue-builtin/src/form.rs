@@ -51,8 +51,9 @@ pub fn shell(d: Vec3) -> f32 {
     let jaw = offset_ellipsoid(d, Vec3::new(0.0, -0.052, 0.026), Vec3::new(0.094, 0.092, 0.121));
     let base = soft_max(cranium(d), jaw, 0.006);
     let along = d.y.atan2(d.z);
-    let fade = smoothstep(-0.15, 0.15, along) + smoothstep(-2.35, -2.6, along);
-    base + 0.0035 * smoothstep(CREST[1], CREST[0], d.x.abs()) * fade.min(1.0)
+    // It runs out before the visor's frame and below the nape.
+    let fade = if along > 0.0 { smoothstep(0.66, 0.86, along) } else { smoothstep(-2.50, -2.75, along) };
+    base + 0.0038 * smoothstep(CREST[1], CREST[0], d.x.abs()) * fade
 }
 
 /// The shell's point in direction `d`.

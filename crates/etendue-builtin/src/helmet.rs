@@ -225,9 +225,8 @@ pub fn helmet() -> Vec<u8> {
     let mut g = Gltf::new();
     let shell_material = material(&mut g, "shell", &shell_maps, [86, 82, 86], json!({}));
     let visor_material = material(&mut g, "visor", &visor_maps, [84, 84, 0], json!({}));
-    let glow = json!({ "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 6.0 } } });
-    let rim_material =
-        material(&mut g, "rim", &Maps { emissive: Vec::new(), ..copy(&parts_maps) }, [86, 82, 86], json!({}));
+    let glow = json!({ "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 5.0 } } });
+    let rim_material = material(&mut g, "rim", &parts_maps, [86, 82, 86], glow.clone());
     let hardware_material = material(&mut g, "hardware", &parts_maps, [86, 82, 86], glow);
     let strap_material = material(&mut g, "strap", &webbing(), [84, 80, 86], json!({}));
     let lining_material = material(&mut g, "lining", &quilt(), [80, 76, 82], json!({ "doubleSided": true }));
@@ -256,15 +255,4 @@ pub fn helmet() -> Vec<u8> {
     let rim_index = g.mesh("rim", &primitives);
     g.node("rim", rim_index, Mat4::IDENTITY);
     g.finish("helmet", -floor)
-}
-
-fn copy(m: &Maps) -> Maps {
-    Maps {
-        width: m.width,
-        height: m.height,
-        base: m.base.clone(),
-        orm: m.orm.clone(),
-        normal: m.normal.clone(),
-        emissive: m.emissive.clone(),
-    }
 }

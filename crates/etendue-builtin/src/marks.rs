@@ -70,6 +70,15 @@ fn strokes(c: char) -> &'static [&'static [(f32, f32)]] {
         'V' => &[&[(0.0, 6.0), (2.0, 0.0), (4.0, 6.0)]],
         'X' => &[&[(0.0, 0.0), (4.0, 6.0)], &[(0.0, 6.0), (4.0, 0.0)]],
         'Y' => &[&[(0.0, 6.0), (2.0, 3.0), (4.0, 6.0)], &[(2.0, 3.0), (2.0, 0.0)]],
+        'B' => &[
+            &[(0.0, 0.0), (0.0, 6.0), (2.8, 6.0), (3.8, 5.2), (3.8, 4.0), (2.8, 3.1), (0.0, 3.1)],
+            &[(2.8, 3.1), (4.0, 2.2), (4.0, 0.9), (2.8, 0.0), (0.0, 0.0)],
+        ],
+        'F' => &[&[(0.0, 0.0), (0.0, 6.0), (4.0, 6.0)], &[(0.0, 3.1), (3.0, 3.1)]],
+        'H' => &[&[(0.0, 0.0), (0.0, 6.0)], &[(4.0, 0.0), (4.0, 6.0)], &[(0.0, 3.1), (4.0, 3.1)]],
+        'K' => &[&[(0.0, 0.0), (0.0, 6.0)], &[(4.0, 6.0), (0.0, 2.6)], &[(1.4, 3.8), (4.0, 0.0)]],
+        'P' => &[&[(0.0, 0.0), (0.0, 6.0), (2.8, 6.0), (4.0, 5.0), (4.0, 3.6), (2.8, 2.6), (0.0, 2.6)]],
+        'W' => &[&[(0.0, 6.0), (0.6, 0.0), (2.0, 2.8), (3.4, 0.0), (4.0, 6.0)]],
         '1' => &[&[(0.8, 4.8), (2.0, 6.0), (2.0, 0.0)]],
         '2' => &[&[(0.0, 6.0), (2.8, 6.0), (4.0, 5.0), (4.0, 3.6), (0.0, 0.0), (4.0, 0.0)]],
         '3' => &[&[(0.0, 6.0), (4.0, 6.0), (2.0, 3.6), (4.0, 2.4), (4.0, 1.0), (2.8, 0.0), (0.0, 0.0)]],
@@ -133,42 +142,85 @@ pub fn insignia(p: Vec2, size: f32) -> f32 {
     ring.min(inner).min(rays.min(waist).max(bounds)) * size
 }
 
+/// Signed distance to a capsule of half length `half` along x and radius `r`.
+fn capsule(q: Vec2, half: f32, r: f32) -> f32 {
+    Vec2::new((q.x.abs() - half).max(0.0), q.y).length() - r
+}
+
+/// Signed distance to a rectangle.
+fn rectangle(q: Vec2, half: Vec2) -> f32 {
+    let e = q.abs() - half;
+    e.max(Vec2::ZERO).length() + e.max_element().min(0.0)
+}
+
+/// Signed distance to an arrow that points along +x, its tip at the origin, `size` long.
+fn arrow(q: Vec2, size: f32) -> f32 {
+    let head = (q.x + q.y.abs() * 0.9).max(-q.x - 0.5 * size);
+    let shaft = rectangle(q + Vec2::new(0.72 * size, 0.0), Vec2::new(0.28 * size, 0.09 * size));
+    head.min(shaft)
+}
+
+/// The air slots over the temples: signed distance of a place to the nearest slot, metres.
+pub fn slots(p: Vec3) -> f32 {
+    let side = p.x.signum();
+    let centre = Vec3::new(0.50 * side, 0.80, 0.16).normalize();
+    let d = p.normalize();
+    if d.dot(centre) < 0.9 {
+        return 1.0;
+    }
+    // Along the crown from front to back, across towards the ear.
+    let back = (Vec3::NEG_Z - centre * -centre.z).normalize();
+    let across = centre.cross(back);
+    let q = Vec2::new(d.dot(back), d.dot(across)) * p.length();
+    let mut best = 1.0f32;
+    for k in -1i32..=1 {
+        let half = 0.0125 - 0.002 * k.abs() as f32;
+        best = best.min(capsule(q - Vec2::new(0.0, 0.0085 * k as f32), half, 0.0021));
+    }
+    best
+}
+
 /// The marks that cover a place of the shell, each with its ink and cover 0..1, in the order of spraying.
 pub fn shell_marks(p: Vec3) -> Vec<(Ink, f32)> {
     let mut out = Vec::new();
-    let r = p.length();
-    let d = p / r;
-    let e = d.y.asin();
+    let d = p.normalize();
     // On the sides, marks lie in the plane seen from there: x towards the reader's right.
     let side = p.x.signum();
-    if d.x.abs() > 0.25 {
+    // x of a place that lies `front` metres before the ear, as read from that side.
+    let at = |front: f32, y: f32| Vec2::new(-front * side, y);
+    if d.x.abs() > 0.22 {
         let q = Vec2::new(-p.z * side, p.y);
-        if p.y > -0.005 {
-            let number = q - Vec2::new(-0.022 * side + 0.0, 0.078);
-            let stencil = number.x.abs();
-            let _ = stencil;
-            let t = text_distance(number, "07", 0.034);
-            out.push((Ink::Dark, cover(t - 0.0034)));
-            out.push((
-                Ink::Dark,
-                cover(text_distance(q - Vec2::new(-0.022 * side, 0.064), "ETENDUE", 0.0068) - 0.00062),
-            ));
-            out.push((Ink::Signal, cover(insignia(q - Vec2::new(0.088 * side, 0.030), 0.019))));
-            out.push((
-                Ink::Dark,
-                cover(text_distance(q - Vec2::new(0.088 * side, 0.004), "G2-SIN2", 0.0036) - 0.00042),
-            ));
+        let text = |place: Vec2, s: &str, h: f32, stroke: f32| cover(text_distance(q - place, s, h) - stroke);
+        if p.y > -0.012 {
+            out.push((Ink::Dark, text(at(0.024, 0.072), "07", 0.034, 0.0034)));
+            out.push((Ink::Dark, text(at(0.024, 0.0585), "ETENDUE", 0.0068, 0.00064)));
+            out.push((Ink::Dark, text(at(0.024, 0.0510), "N2 A OMEGA", 0.0034, 0.00040)));
+            out.push((Ink::Signal, cover(insignia(q - at(-0.090, 0.030), 0.020))));
+            out.push((Ink::Dark, text(at(-0.090, 0.0030), "LIGHT CREW", 0.0036, 0.00042)));
+            // The rescue arrow points at the ear's release.
+            let tip = q - at(-0.020, 0.030);
+            out.push((Ink::Signal, cover(arrow(Vec2::new(-tip.y, tip.x), 0.012))));
+            out.push((Ink::Dark, text(at(-0.020, 0.0440), "RESCUE", 0.0040, 0.00046)));
         } else {
-            out.push((
-                Ink::Light,
-                cover(text_distance(q - Vec2::new(0.052 * side, -0.066), "NO STEP", 0.0050) - 0.00052),
-            ));
+            // A data plate and a row of warning bars on the jaw.
+            let place = at(-0.052, -0.070);
+            let frame = rectangle(q - place, Vec2::new(0.0185, 0.0085)).abs() - 0.0004;
+            out.push((Ink::Light, cover(frame)));
+            out.push((Ink::Light, text(place + Vec2::new(0.0, 0.0016), "VISOR LOCK", 0.0040, 0.00044)));
+            out.push((Ink::Light, text(place + Vec2::new(0.0, -0.0052), "PULL DOWN", 0.0036, 0.00040)));
+            let bars = q - at(0.020, -0.078);
+            let slant = (bars.x + bars.y).rem_euclid(0.0090) - 0.0045;
+            let block = rectangle(bars, Vec2::new(0.0225, 0.0042));
+            out.push((Ink::Signal, cover((slant.abs() - 0.00225).max(block))));
         }
     }
     // At the nape, on the stripe.
-    if d.z < -0.5 && e.abs() < 0.6 {
-        let q = Vec2::new(-p.x, p.y);
-        out.push((Ink::Light, cover(text_distance(Vec2::new(q.x, q.y + 0.006), "07", 0.020) - 0.0020)));
+    if d.z < -0.5 && d.y.abs() < 0.6 {
+        out.push((Ink::Light, cover(text_distance(Vec2::new(-p.x, p.y + 0.006), "07", 0.020) - 0.0020)));
+        out.push((
+            Ink::Light,
+            cover(text_distance(Vec2::new(-p.x, p.y + 0.014), "ETENDUE", 0.0036) - 0.00042),
+        ));
     }
     out
 }

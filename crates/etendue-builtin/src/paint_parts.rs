@@ -38,7 +38,7 @@ const STEEL: Vec3 = Vec3::new(0.54, 0.53, 0.51);
 const BRASS: Vec3 = Vec3::new(0.78, 0.56, 0.27);
 const RED: Vec3 = Vec3::new(0.60, 0.055, 0.012);
 /// The status light's colour: ice blue, and the warning amber.
-const ICE: Vec3 = Vec3::new(0.22, 0.78, 1.0);
+const ICE: Vec3 = Vec3::new(0.04, 0.52, 1.0);
 const AMBER: Vec3 = Vec3::new(1.0, 0.36, 0.04);
 
 fn rubber(t: &Texel) -> Paint {
@@ -72,7 +72,7 @@ fn painted(t: &Texel, colour: Vec3, rough: f32, amount: f32) -> Paint {
     let n = fbm(p * 60.0, 4, 121);
     let chips = 0.6 * fbm(p * 150.0, 4, 122) + 0.4 * fbm(p * 500.0, 2, 123);
     let patchy = smoothstep(-0.4, 0.5, fbm(p * 22.0, 3, 124));
-    let worn = 1.9 * t.ridge * (0.5 + 0.7 * patchy) + 0.7 * chips;
+    let worn = 1.25 * t.ridge * (0.35 + 0.9 * patchy) + 0.75 * chips;
     let through = smoothstep(1.0 - amount, 1.08 - amount, worn);
     let metal = bare_metal(t, STEEL, 0.30);
     Paint {
@@ -94,8 +94,19 @@ fn soiled(t: &Texel, mut p: Paint, amount: f32) -> Paint {
     p
 }
 
+/// Length of the frame's outline from its foot to the step between flange and lip, metres.
+const FRAME_STEP: f32 = 0.0196;
+
 fn frame(t: &Texel) -> Paint {
-    painted(t, BLACK, 0.36, 0.14)
+    let mut p = painted(t, BLACK, 0.34, 0.36);
+    // Lines of light at both temples, in the step between flange and lip.
+    let side = smoothstep(0.062, 0.066, t.pos.x.abs())
+        * smoothstep(-0.032, -0.028, t.pos.y)
+        * smoothstep(0.052, 0.048, t.pos.y);
+    let line = smoothstep(0.0010, 0.0006, (t.aux.y - FRAME_STEP).abs()) * side;
+    p.emissive = ICE * line;
+    p.base = p.base.lerp(Vec3::splat(0.2), line);
+    p
 }
 
 fn neck(t: &Texel) -> Paint {
@@ -143,12 +154,11 @@ fn pod(t: &Texel) -> Paint {
 
 fn mouth(t: &Texel) -> Paint {
     let mut p = painted(t, BLACK * 1.3, 0.42, 0.12);
-    // A thin light under the grille's upper edge, and two status lamps.
-    let (x, y) = (t.aux.x, t.aux.y);
-    let line = smoothstep(0.0011, 0.0007, (y + 0.0212).abs()) * smoothstep(0.0135, 0.0130, x.abs());
-    p.emissive = ICE * line;
-    let lamp = smoothstep(0.0016, 0.0012, ((x.abs() - 0.0205).powi(2) + (y + 0.0212).powi(2)).sqrt());
-    p.emissive += AMBER * lamp;
+    // A thin line of light on the upper bevel, and a status lamp on either side of it.
+    let (x, y) = (t.aux.x, t.aux.y - 0.0222);
+    let line = smoothstep(0.0010, 0.0006, y.abs()) * smoothstep(0.0135, 0.0130, x.abs());
+    let lamp = smoothstep(0.0015, 0.0011, ((x.abs() - 0.0205).powi(2) + y * y).sqrt());
+    p.emissive = ICE * line + AMBER * lamp;
     p.base = p.base.lerp(Vec3::splat(0.2), line.max(lamp));
     p
 }

@@ -2,7 +2,7 @@
 
 use crate::bake::{Paint, Texel};
 use crate::form::{CREST, visor_extent};
-use crate::marks::{Ink, shell_marks};
+use crate::marks::{Ink, shell_marks, slots};
 use crate::noise::{fbm, mix, perlin, smoothstep, worley};
 use glam::Vec3;
 
@@ -25,6 +25,8 @@ struct Lines {
     joint: f32,
     /// To the nearest rivet's centre.
     rivet: f32,
+    /// To the nearest air slot; negative inside.
+    slot: f32,
 }
 
 /// Distance to the nearest of rivets every `pitch` metres along a line, `off` metres beside it.
@@ -37,7 +39,9 @@ fn lines(p: Vec3) -> Lines {
     let r = p.length();
     let d = p / r;
     let jaw = (p.y + 0.047 - 0.16 * (-p.z - 0.02).max(0.0)) / 1.05;
-    let crest = d.x.abs() * r - CREST[1] * r;
+    // The stripe belongs to the crown and the nape: not to the chin.
+    let chin = p.z > 0.0 && p.y < 0.0;
+    let crest = if chin { 1.0 } else { d.x.abs() * r - CREST[1] * r };
     let frame = (visor_extent(d) - 1.0) * 0.070 - 0.0165;
     // The crown's joint: a plane behind the ears, down to the jaw line; the temple's joint: a slanting plane.
     let crown = p.z + 0.052;
@@ -57,7 +61,7 @@ fn lines(p: Vec3) -> Lines {
     if back && crest > -0.002 {
         rivet = rivet.min(rivets(p.x.abs().atan2(-p.z) * 0.135, jaw, 0.020, -0.0075));
     }
-    Lines { jaw, crest, frame, joint, rivet }
+    Lines { jaw, crest, frame, joint, rivet, slot: slots(p) }
 }
 
 /// Paints a place of the shell.
@@ -103,23 +107,31 @@ pub fn shell_paint(t: &Texel) -> Paint {
     let moat = smoothstep(0.0034, 0.0026, l.rivet) * (1.0 - smoothstep(0.0026, 0.0022, l.rivet));
     height += 5.0e-4 * dome - 1.2e-4 * moat;
 
+    // Air slots: pressed in, black inside.
+    let pressed = smoothstep(0.0014, -0.0012, l.slot);
+    height -= 1.1e-3 * pressed;
+    let hole = smoothstep(-0.0006, -0.0010, l.slot);
+    base = base.lerp(Vec3::splat(0.006), hole);
+    rough = mix(rough, 0.8, hole);
+
     // Wear: paint goes where things rub: edges of joints, the crest, the frame, rivets, ridges of the form.
     let rub = 0.85 * smoothstep(0.0045, 0.0008, (l.joint - 0.0009).abs())
-        + 0.80 * smoothstep(0.0045, 0.0, (l.crest + 0.001).abs()) * smoothstep(-0.2, 0.3, p.y.atan2(p.z))
+        + 0.80 * smoothstep(0.0040, 0.0002, (l.crest + 0.0046).abs())
+        + 0.55 * smoothstep(0.0040, 0.0004, l.slot.max(0.0))
         + 0.70 * smoothstep(0.010, 0.0, l.frame)
         + 0.60 * smoothstep(0.0034, 0.0016, l.rivet)
-        + 1.2 * t.ridge
         + 0.25 * smoothstep(-0.2, 0.8, broad);
     let chips = 0.55 * fbm(p * 95.0, 5, 21) + 0.45 * fbm(p * 330.0, 3, 22);
     let patchy = smoothstep(-0.35, 0.45, fbm(p * 14.0, 3, 23));
     let worn = rub * (0.45 + 0.75 * patchy) + 0.95 * chips;
-    let to_primer = smoothstep(1.02, 1.08, worn);
-    let to_metal = smoothstep(1.18, 1.24, worn);
+    let to_primer = smoothstep(0.90, 0.95, worn);
+    let to_metal = smoothstep(1.02, 1.07, worn);
     // Stone chips: few, small, anywhere.
     let (w1, _, id) = worley(p * 75.0, 31);
     let size = if id % 11 == 0 { 0.05 + 0.10 * crate::noise::unit(crate::noise::hash(id)) } else { 0.0 };
     let chip = smoothstep(size, size * 0.6, w1 + 0.06 * fine) * (size > 0.0) as u32 as f32;
-    let to_primer = to_primer.max(chip);
+    let to_primer = to_primer.max(chip) * (1.0 - hole);
+    let to_metal = to_metal * (1.0 - hole);
     base = base.lerp(PRIMER * (1.0 + 0.2 * fine), to_primer);
     rough = mix(rough, 0.62, to_primer);
     height -= 5.0e-5 * to_primer;
@@ -152,10 +164,15 @@ pub fn shell_paint(t: &Texel) -> Paint {
     let streak_noise = fbm(Vec3::new(p.x * 150.0, p.y * 7.0, p.z * 150.0), 3, 71);
     let streak =
         smoothstep(0.15, 0.75, streak_noise) * smoothstep(-0.3, 0.5, broad) * smoothstep(0.10, -0.09, p.y);
-    let dirt = (0.85 * groove + 0.55 * sheltered + 0.35 * seep + 0.40 * moat + 0.22 * streak).min(0.92);
+    let dirt = (0.85 * groove + 0.55 * sheltered + 0.35 * seep + 0.40 * moat + 0.34 * streak).min(0.92);
     base = base.lerp(Vec3::new(0.050, 0.042, 0.033), dirt * (1.0 - 0.5 * to_metal));
     rough = mix(rough, 0.75, dirt * 0.8);
     metallic *= 1.0 - 0.6 * groove;
+    // Pale dust settles on the jaw, thicker towards the neck.
+    let dusty =
+        0.45 * smoothstep(-0.05, -0.125, p.y + 0.02 * broad) * smoothstep(-0.4, 0.7, fbm(p * 55.0, 4, 91));
+    base = base.lerp(Vec3::new(0.20, 0.17, 0.135), dusty);
+    rough = mix(rough, 0.82, dusty);
     // Dust and handling lift the gloss in soft patches.
     rough += 0.06 * smoothstep(0.0, 0.7, fbm(p * 30.0, 4, 81));
 

@@ -4,9 +4,9 @@ use crate::bake::{Paint, Texel};
 use crate::noise::{fbm, mix, perlin, smoothstep};
 use glam::{Vec2, Vec3};
 
-const GOLD: Vec3 = Vec3::new(1.0, 0.66, 0.26);
-const COPPER: Vec3 = Vec3::new(0.70, 0.26, 0.10);
-const PLUM: Vec3 = Vec3::new(0.30, 0.10, 0.13);
+const GOLD: Vec3 = Vec3::new(1.0, 0.68, 0.24);
+const COPPER: Vec3 = Vec3::new(0.80, 0.30, 0.11);
+const PLUM: Vec3 = Vec3::new(0.34, 0.085, 0.115);
 
 /// Ridges of a fingertip's print around `at` (metres in the visor's chart), 0..1.
 fn print(q: Vec2, at: Vec2, turn: f32, salt: u32) -> f32 {
@@ -28,8 +28,8 @@ pub fn visor_paint(t: &Texel) -> Paint {
     let p = t.pos;
     let (a, e, extent) = (t.aux.x, t.aux.y, t.aux.z);
     let n = fbm(p * 12.0, 3, 201);
-    let up = smoothstep(0.02, 0.55, e + 0.02 * n);
-    let base = GOLD.lerp(COPPER, up).lerp(PLUM, smoothstep(0.38, 0.62, e + 0.01 * n));
+    let up = smoothstep(-0.06, 0.40, e + 0.02 * n);
+    let base = GOLD.lerp(COPPER, up).lerp(PLUM, smoothstep(0.26, 0.56, e + 0.01 * n));
     let base = base * (1.0 - 0.10 * smoothstep(0.6, 1.2, a.abs()));
 
     let q = Vec2::new(a, e) * 0.15;

@@ -45,9 +45,9 @@ pub fn frame_mesh() -> Mesh {
             (-0.0030, 0.0040, 0.0012),
             (-0.0032, -0.004, 0.0),
         ],
-        3,
+        2,
     );
-    sweep(&visor_frames(1.0, 128), &o, |_, _| Vec2::ONE)
+    sweep(&visor_frames(1.0, 112), &o, |_, _| Vec2::ONE)
 }
 
 /// The rubber between frame and visor.
@@ -59,9 +59,9 @@ pub fn gasket_mesh() -> Mesh {
             (-0.0075, 0.0052, 0.0025),
             (-0.0085, -0.004, 0.0),
         ],
-        3,
+        2,
     );
-    sweep(&visor_frames(1.0, 128), &o, |_, _| Vec2::ONE)
+    sweep(&visor_frames(1.0, 112), &o, |_, _| Vec2::ONE)
 }
 
 /// Frames along the neck's opening, from the front to the wearer's left; `up` points away from the head.
@@ -91,14 +91,14 @@ pub fn neck_mesh() -> Mesh {
             (-0.0050, 0.0040, 0.0022),
             (-0.0050, -0.0030, 0.0),
         ],
-        3,
+        2,
     );
-    sweep(&neck_frames(112), &o, |_, _| Vec2::ONE)
+    sweep(&neck_frames(88), &o, |_, _| Vec2::ONE)
 }
 
 /// The padded lining, seen through the neck's opening: the shell's inside, brought in by the padding.
 pub fn lining_mesh() -> Mesh {
-    let (around, up) = (64u32, 14u32);
+    let (around, up) = (48u32, 11u32);
     let mut m = Mesh::default();
     for j in 0..=up {
         for i in 0..=around {

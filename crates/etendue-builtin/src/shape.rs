@@ -81,17 +81,6 @@ impl Mesh {
         self.uv.iter_mut().for_each(|t| *t = rect.at(*t));
         self
     }
-
-    /// Sets the paint tag, the third of the paint coordinates.
-    pub fn tag(mut self, tag: f32) -> Self {
-        self.aux.iter_mut().for_each(|a| a.z = tag);
-        self
-    }
-
-    /// How many triangles there are.
-    pub fn triangles(&self) -> usize {
-        self.idx.len() / 3
-    }
 }
 
 /// A rectangle in texture coordinates.

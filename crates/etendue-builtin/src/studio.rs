@@ -53,47 +53,47 @@ fn lamps() -> Vec<Softbox> {
     let mut all = vec![
         // The key: large, high, on the camera's left.
         Softbox {
-            at: [-48.0, 42.0],
-            half: [0.52, 0.40],
+            at: [-50.0, 40.0],
+            half: [0.50, 0.38],
             roll: 8.0,
-            soft: 0.10,
-            light: warm * 17.0,
+            soft: 0.09,
+            light: warm * 9.5,
             falloff: 0.55,
         },
         // The top light.
         Softbox {
-            at: [150.0, 80.0],
+            at: [150.0, 78.0],
             half: [0.55, 0.38],
             roll: 0.0,
             soft: 0.25,
-            light: Vec3::ONE * 6.0,
+            light: Vec3::ONE * 3.2,
             falloff: 0.6,
         },
         // Two strips behind for the rims.
         Softbox {
-            at: [128.0, 14.0],
-            half: [0.13, 0.80],
+            at: [122.0, 12.0],
+            half: [0.12, 0.85],
             roll: -6.0,
             soft: 0.08,
-            light: cool * 26.0,
-            falloff: 0.5,
+            light: cool * 22.0,
+            falloff: 0.45,
         },
         Softbox {
-            at: [-118.0, 18.0],
-            half: [0.10, 0.75],
+            at: [-112.0, 16.0],
+            half: [0.10, 0.80],
             roll: 8.0,
             soft: 0.08,
-            light: cool * 20.0,
-            falloff: 0.5,
+            light: cool * 15.0,
+            falloff: 0.45,
         },
-        // A low warm fill.
+        // A long low strip in front: the bright line across the visor and under every bevel.
         Softbox {
-            at: [-75.0, -18.0],
-            half: [0.55, 0.16],
+            at: [4.0, -25.0],
+            half: [0.75, 0.045],
             roll: 0.0,
-            soft: 0.20,
-            light: warm * 1.6,
-            falloff: 0.5,
+            soft: 0.06,
+            light: warm * 3.0,
+            falloff: 0.25,
         },
     ];
     // A window on the camera's right: two by three panes.
@@ -104,7 +104,7 @@ fn lamps() -> Vec<Softbox> {
                 half: [0.125, 0.105],
                 roll: 0.0,
                 soft: 0.02,
-                light: cool * 7.5,
+                light: cool * 5.5,
                 falloff: 0.8,
             });
         }
@@ -115,18 +115,20 @@ fn lamps() -> Vec<Softbox> {
 /// Radiance from direction `d` (unit).
 pub fn radiance(d: Vec3) -> Vec3 {
     let elevation = d.y.clamp(-1.0, 1.0).asin();
-    // Walls and floor: dark blue-grey above, a warmer and darker floor, one soft horizon.
-    let high = Vec3::new(0.16, 0.19, 0.23);
-    let low = Vec3::new(0.30, 0.32, 0.34);
-    let wall = low.lerp(high, smoothstep(0.0, 1.1, elevation));
-    let floor =
-        Vec3::new(0.17, 0.155, 0.14).lerp(Vec3::new(0.09, 0.08, 0.07), smoothstep(-0.3, -1.3, elevation));
-    let mut l = floor.lerp(wall, smoothstep(-0.55, 0.10, elevation));
+    // How far the direction lies to the front, where the camera stands: the walls there are lit, those behind are not.
+    let front = smoothstep(-0.75, 0.55, d.z);
+    let dark = Vec3::new(0.030, 0.040, 0.052);
+    let glow = dark.lerp(Vec3::new(0.46, 0.44, 0.41), front);
+    let ceiling = dark.lerp(Vec3::new(0.075, 0.085, 0.10), front);
+    let wall = glow.lerp(ceiling, smoothstep(0.02, 0.85, elevation));
+    let near = dark.lerp(Vec3::new(0.25, 0.205, 0.165), front);
+    let floor = near.lerp(Vec3::new(0.045, 0.040, 0.036), smoothstep(-0.25, -1.2, elevation));
+    let mut l = floor.lerp(wall, smoothstep(-0.16, 0.03, elevation));
     // A pool of light on the backdrop, behind whatever the camera looks at.
-    let pool = crate::form::direction(205f32.to_radians(), -6f32.to_radians());
+    let pool = crate::form::direction(204f32.to_radians(), -8f32.to_radians());
     let angle = d.dot(pool).clamp(-1.0, 1.0).acos();
-    l += Vec3::new(0.50, 0.56, 0.62) * (-(angle / 0.42).powi(2)).exp();
-    l *= 0.8;
+    l += Vec3::new(0.130, 0.178, 0.210) * (-(angle / 0.36).powi(2)).exp();
+    l += Vec3::new(0.030, 0.042, 0.052) * (-(angle / 0.95).powi(2)).exp();
     lamps().iter().fold(l, |sum, s| sum + s.radiance(d))
 }
 

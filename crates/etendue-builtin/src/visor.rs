@@ -5,8 +5,8 @@ use crate::shape::Mesh;
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
-const RINGS: u32 = 20;
-const AROUND: u32 = 96;
+const RINGS: u32 = 17;
+const AROUND: u32 = 88;
 
 /// Radius of the visor's outer face. The bulge is a polynomial in the angles, so that reflections run without a break.
 pub fn visor_radius(d: Vec3) -> f32 {
