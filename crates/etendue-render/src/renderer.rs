@@ -80,8 +80,8 @@ impl<'a> Renderer<'a> {
         let scene = world.scene();
         let hashes = if settings.passes.has(Pass::ObjectId) || settings.passes.has(Pass::MaterialId) {
             [
-                scene.instances.iter().map(|i| crate::ids::name_hash(&i.name)).collect(),
-                scene.materials.iter().map(|m| crate::ids::name_hash(&m.name)).collect(),
+                scene.instances.iter().map(|i| crate::name_hash(&i.name)).collect(),
+                scene.materials.iter().map(|m| crate::name_hash(&m.name)).collect(),
             ]
         } else {
             [Vec::new(), Vec::new()]
@@ -97,6 +97,11 @@ impl<'a> Renderer<'a> {
     /// The camera that it was made with.
     pub fn camera(&self) -> &Camera {
         &self.camera
+    }
+
+    /// Names exactly this picture: scene, camera and settings. Films with the same name add.
+    pub fn picture_id(&self) -> String {
+        crate::fingerprint::picture(self.world.fingerprint, &self.camera, &self.settings)
     }
 
     /// An empty film of the right size and passes.

@@ -50,6 +50,7 @@ pub struct World {
     pub(crate) lights: Lights,
     /// Distance by which rays start off a surface at the origin of the world; grows with the coordinates.
     pub(crate) epsilon: f32,
+    pub(crate) fingerprint: u32,
     build_seconds: [f64; 2],
 }
 
@@ -60,6 +61,7 @@ impl World {
     /// What [`Scene::validate`] finds.
     pub fn new(mut scene: Scene) -> Result<Self, InvalidScene> {
         scene.validate()?;
+        let fingerprint = crate::fingerprint::scene(&scene);
         let start = std::time::Instant::now();
         let accel = Accel::build(&scene);
         let traced = start.elapsed().as_secs_f64();
@@ -97,6 +99,7 @@ impl World {
             lights: Lights::default(),
             epsilon: (bounds.diagonal() * 2e-7).max(1e-12),
             scene,
+            fingerprint,
             build_seconds: [traced, 0.0],
         };
         world.lights = Lights::new(&world);

@@ -1,0 +1,334 @@
+//! What can be said on the command line.
+
+use crate::color::ToneCurve;
+use crate::render::{Filter, PassSet};
+use clap::{Args, Parser, Subcommand};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// A physically based renderer that shows its own correctness.
+///
+/// Without a command it renders the built-in helmet under the built-in sky to etendue.png.
+#[derive(Debug, Parser)]
+#[command(name = "etendue", version, args_conflicts_with_subcommands = true)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Path-trace a glTF model under a sky
+    Render(Box<RenderArgs>),
+    /// Add films that hold different samples of one picture
+    Merge(MergeArgs),
+    /// Develop an .exr or .hdr picture without rendering it again
+    Tonemap(TonemapArgs),
+    /// Say what a glTF file holds, and what of it is supported
+    Info(InfoArgs),
+    /// Measure build time, rays, samples and time to equal error on fixed scenes
+    Bench(BenchArgs),
+}
+
+#[derive(Clone, Debug, Default, Args, Serialize, Deserialize)]
+pub(crate) struct RenderArgs {
+    /// A .glb or .gltf file; the built-in helmet if absent
+    pub model: Option<PathBuf>,
+    /// Where the picture goes: .png .jpg .webp (developed), .exr .hdr (light) [default: MODEL.png, or etendue.png]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Sky: a .hdr or .exr file, `studio` (built in), `none`, or a colour as R,G,B (linear) [default: studio]
+    #[arg(long, value_name = "SKY", help_heading = "Scene")]
+    pub env: Option<String>,
+    /// Turn the sky about the vertical, degrees, counter-clockwise from above
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true, help_heading = "Scene")]
+    pub env_rotation: f32,
+    /// Multiply the sky
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = non_negative, help_heading = "Scene")]
+    pub env_intensity: f32,
+    /// Evaluate the model's animation at this time instead of at rest
+    #[arg(long, value_name = "SECONDS", help_heading = "Scene")]
+    pub at: Option<f32>,
+    /// Let the model read files outside its own folder
+    #[arg(long, help_heading = "Scene")]
+    pub allow_outside: bool,
+    /// A camera of the file, by number (from 0) or name [default: frames the model]
+    #[arg(long, value_name = "N|NAME", conflicts_with_all = ["eye", "target"], help_heading = "Camera")]
+    pub camera: Option<String>,
+    /// Where the camera stands, metres
+    #[arg(long, value_name = "X,Y,Z", value_parser = vec3, allow_hyphen_values = true, help_heading = "Camera")]
+    pub eye: Option<Vec3Arg>,
+    /// What the camera looks at [default: the model's middle]
+    #[arg(long, value_name = "X,Y,Z", value_parser = vec3, allow_hyphen_values = true, requires = "eye", help_heading = "Camera")]
+    pub target: Option<Vec3Arg>,
+    /// What is up for the camera [default: 0,1,0]
+    #[arg(long, value_name = "X,Y,Z", value_parser = vec3, allow_hyphen_values = true, requires = "eye", help_heading = "Camera")]
+    pub up: Option<Vec3Arg>,
+    /// Vertical field of view, degrees [default: 35, or the camera's own]
+    #[arg(long, value_name = "DEG", value_parser = field_of_view, help_heading = "Camera")]
+    pub vfov: Option<f32>,
+    /// Picture size, pixels [default: 512x512, or the camera's aspect at height 512]
+    #[arg(short, long, value_name = "WxH", value_parser = size, help_heading = "Picture")]
+    pub size: Option<(u32, u32)>,
+    /// Pixel filter: box, gaussian, blackman-harris
+    #[arg(long, default_value_t, help_heading = "Picture")]
+    #[serde(with = "text")]
+    pub filter: Filter,
+    /// Leave the sky out of the picture: transparent where there is no surface
+    #[arg(long, help_heading = "Picture")]
+    pub transparent: bool,
+    /// Record passes into a layered .exr: albedo,normal,position,depth,uv,direct,indirect,diffuse,specular,emission,environment,object,material or all
+    #[arg(long, value_name = "LIST", default_value_t, value_parser = PassSet::parse, help_heading = "Picture")]
+    #[serde(with = "passes")]
+    pub passes: PassSet,
+    #[command(flatten)]
+    pub develop: DevelopArgs,
+    /// Samples per pixel [default: 64, or as many as --noise or --time need]
+    #[arg(short = 'n', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Work")]
+    pub spp: Option<u32>,
+    /// Stop when the estimated relative error of the picture falls below this, e.g. 0.01
+    #[arg(long, value_name = "E", value_parser = positive, help_heading = "Work")]
+    pub noise: Option<f32>,
+    /// Stop after this time, e.g. 60s, 5m, 1h
+    #[arg(long, value_name = "TIME", value_parser = duration, help_heading = "Work")]
+    pub time: Option<Duration>,
+    /// Take only these samples, half-open (for parts that `etendue merge` adds)
+    #[arg(long, value_name = "A..B", value_parser = range, conflicts_with = "spp", help_heading = "Work")]
+    pub samples: Option<(u32, u32)>,
+    /// Another seed gives other noise
+    #[arg(long, default_value_t = 0, help_heading = "Work")]
+    pub seed: u32,
+    /// Most times that light is scattered
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(..=1024), help_heading = "Work")]
+    pub bounces: u32,
+    /// Clamp a sample's indirect light to this (biased; off by default)
+    #[arg(long, value_name = "X", value_parser = positive, help_heading = "Work")]
+    pub clamp_indirect: Option<f32>,
+    /// Threads [default: all]
+    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Work")]
+    pub threads: Option<u32>,
+    /// Keep the film here (sums of samples, to resume or merge)
+    #[arg(long, value_name = "FILE", help_heading = "Work")]
+    pub film: Option<PathBuf>,
+    /// Go on from a film; options that are not given are taken from it
+    #[arg(long, value_name = "FILM", help_heading = "Work")]
+    pub resume: Option<PathBuf>,
+    /// Rewrite the output while it refines
+    #[arg(long, help_heading = "Report")]
+    pub watch: bool,
+    /// Print one JSON report to standard output
+    #[arg(long, help_heading = "Report")]
+    pub json: bool,
+    /// Print nothing but errors
+    #[arg(short, long, help_heading = "Report")]
+    pub quiet: bool,
+}
+
+impl RenderArgs {
+    /// What `etendue` without arguments does.
+    pub fn builtin() -> Self {
+        match Cli::parse_from(["etendue", "render"]).command {
+            Some(Command::Render(a)) => *a,
+            _ => unreachable!("`render` is a command without required arguments"),
+        }
+    }
+}
+
+#[derive(Clone, Debug, Default, Args, Serialize, Deserialize)]
+pub(crate) struct DevelopArgs {
+    /// Exposure, EV: each step doubles the light
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite, help_heading = "Development")]
+    pub exposure: f32,
+    /// Tone curve: none, aces, aces-fitted, agx, neutral, reinhard
+    #[arg(long, default_value_t = ToneCurve::Neutral, help_heading = "Development")]
+    #[serde(with = "text")]
+    pub curve: ToneCurve,
+    /// Leave out tone curve and sRGB encoding: values proportional to light
+    #[arg(long, help_heading = "Development")]
+    pub linear: bool,
+    /// Bits per channel of .png: 8 or 16; of .exr: 16 (half) or 32 (float) [default: 8 and 16]
+    #[arg(long, value_name = "BITS", value_parser = bits, help_heading = "Development")]
+    pub bits: Option<u8>,
+    /// Quality of .jpg
+    #[arg(long, default_value_t = 92, value_parser = clap::value_parser!(u8).range(1..=100), help_heading = "Development")]
+    pub quality: u8,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct MergeArgs {
+    /// Films to add, in any order
+    #[arg(required = true)]
+    pub films: Vec<PathBuf>,
+    /// A picture (.exr .png …) or a .film
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub develop: DevelopArgs,
+    /// Transparent where there is no surface
+    #[arg(long)]
+    pub transparent: bool,
+    /// Print one JSON report to standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TonemapArgs {
+    /// An .exr or .hdr picture
+    pub input: PathBuf,
+    /// .png .jpg .webp, or .exr .hdr for exposure alone
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Layer of the .exr [default: the beauty picture]
+    #[arg(long, default_value = "")]
+    pub layer: String,
+    #[command(flatten)]
+    pub develop: DevelopArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct InfoArgs {
+    /// A .glb or .gltf file; the built-in helmet if absent
+    pub model: Option<PathBuf>,
+    /// Let the model read files outside its own folder
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BenchArgs {
+    /// Only scenes whose name contains this
+    pub filter: Option<String>,
+    /// Seconds for each measurement
+    #[arg(long, default_value_t = 2.0, value_parser = positive)]
+    pub seconds: f32,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Three numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Vec3Arg(pub [f32; 3]);
+
+fn numbers<const N: usize>(s: &str) -> Option<[f32; N]> {
+    let v: Vec<f32> = s.split(',').map(|p| p.trim().parse().ok().filter(|v: &f32| v.is_finite())).collect::<Option<_>>()?;
+    v.try_into().ok()
+}
+
+pub(crate) fn vec3(s: &str) -> Result<Vec3Arg, String> {
+    numbers(s).map(Vec3Arg).ok_or_else(|| "give three numbers, as in 1.5,0,-2".into())
+}
+
+fn finite(s: &str) -> Result<f32, String> {
+    s.parse().ok().filter(|v: &f32| v.is_finite()).ok_or_else(|| "give a number".into())
+}
+
+fn positive(s: &str) -> Result<f32, String> {
+    finite(s).ok().filter(|v| *v > 0.0).ok_or_else(|| "give a number above 0".into())
+}
+
+fn non_negative(s: &str) -> Result<f32, String> {
+    finite(s).ok().filter(|v| *v >= 0.0).ok_or_else(|| "give a number that is not negative".into())
+}
+
+fn field_of_view(s: &str) -> Result<f32, String> {
+    finite(s).ok().filter(|v| *v > 0.0 && *v < 180.0).ok_or_else(|| "give degrees between 0 and 180".into())
+}
+
+fn bits(s: &str) -> Result<u8, String> {
+    match s {
+        "8" => Ok(8),
+        "16" => Ok(16),
+        "32" => Ok(32),
+        _ => Err("give 8, 16 or 32".into()),
+    }
+}
+
+fn size(s: &str) -> Result<(u32, u32), String> {
+    let parse = |p: &str| p.trim().parse().ok().filter(|v| (1..=65536).contains(v));
+    s.split_once(['x', 'X', '×'])
+        .and_then(|(w, h)| Some((parse(w)?, parse(h)?)))
+        .ok_or_else(|| "give width and height in pixels, as in 1280x720".into())
+}
+
+fn range(s: &str) -> Result<(u32, u32), String> {
+    s.split_once("..")
+        .and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)))
+        .filter(|(a, b)| a < b)
+        .ok_or_else(|| "give the first sample and the one after the last, as in 0..64".into())
+}
+
+fn duration(s: &str) -> Result<Duration, String> {
+    let unit = s.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
+    let scale = match unit {
+        "s" | "" => 1.0,
+        "ms" => 1e-3,
+        "m" | "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err("give a time, as in 90s, 5m or 1h".into()),
+    };
+    let value: f64 = s[..s.len() - unit.len()].parse().map_err(|_| "give a time, as in 90s, 5m or 1h")?;
+    Duration::try_from_secs_f64(value * scale).map_err(|e| e.to_string())
+}
+
+/// Values that are their own name.
+mod text {
+    use serde::{Deserialize, Deserializer, Serializer};
+    pub fn serialize<T: std::fmt::Display, S: Serializer>(v: &T, s: S) -> Result<S::Ok, S::Error> {
+        s.collect_str(v)
+    }
+    pub fn deserialize<'a, T: std::str::FromStr<Err: std::fmt::Display>, D: Deserializer<'a>>(
+        d: D,
+    ) -> Result<T, D::Error> {
+        String::deserialize(d)?.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+/// A set of passes as its list of names.
+mod passes {
+    use crate::render::PassSet;
+    use serde::{Deserialize, Deserializer, Serializer};
+    pub fn serialize<S: Serializer>(v: &PassSet, s: S) -> Result<S::Ok, S::Error> {
+        s.collect_str(v)
+    }
+    pub fn deserialize<'a, D: Deserializer<'a>>(d: D) -> Result<PassSet, D::Error> {
+        PassSet::parse(&String::deserialize(d)?).map_err(serde::de::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_is_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn values_parse() {
+        assert_eq!(size("1280x720"), Ok((1280, 720)));
+        assert!(size("0x4").is_err() && size("12").is_err() && size("1x99999").is_err());
+        assert_eq!(vec3("1,-2.5, 3"), Ok(Vec3Arg([1.0, -2.5, 3.0])));
+        assert!(vec3("1,2").is_err() && vec3("1,2,inf").is_err());
+        assert_eq!(duration("1.5m"), Ok(Duration::from_secs(90)));
+        assert!(duration("soon").is_err() && duration("").is_err());
+        assert_eq!(range("3..9"), Ok((3, 9)));
+        assert!(range("9..3").is_err());
+    }
+
+    #[test]
+    fn arguments_survive_the_film() {
+        let cli = Cli::parse_from(["etendue", "render", "a.glb", "--eye=-1,2,3", "--passes", "depth", "--curve", "agx"]);
+        let Some(Command::Render(a)) = cli.command else { panic!("not render") };
+        let text = serde_json::to_string(&a).unwrap();
+        let b: RenderArgs = serde_json::from_str(&text).unwrap();
+        assert_eq!(format!("{a:?}"), format!("{b:?}"));
+    }
+}

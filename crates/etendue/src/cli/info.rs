@@ -1,0 +1,169 @@
+//! `etendue info`: what a file holds.
+
+use super::args::InfoArgs;
+use super::{CliError, load, output, say};
+use crate::import::{Imported, Support};
+use std::fmt::Write;
+
+pub(crate) fn run(args: &InfoArgs) -> Result<(), CliError> {
+    let imported = load::model(args.model.as_deref(), None, args.allow_outside)?;
+    if args.json {
+        let report = serde_json::json!({ "info": imported.info, "warnings": imported.warnings });
+        say(&serde_json::to_string_pretty(&report).map_err(|e| CliError::Other(e.to_string()))?);
+    } else {
+        say(text(&imported).trim_end());
+    }
+    Ok(())
+}
+
+/// Rows of a table with its columns aligned.
+fn table(out: &mut String, title: &str, rows: &[Vec<String>]) {
+    if rows.is_empty() {
+        return;
+    }
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|s| s.chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let _ = writeln!(out, "\n{title}");
+    for row in rows {
+        let mut line = String::from(" ");
+        for (cell, w) in row.iter().zip(&widths) {
+            let _ = write!(line, " {cell:w$} ");
+        }
+        let _ = writeln!(out, "{}", line.trim_end());
+    }
+}
+
+fn bytes(n: u64) -> String {
+    match n {
+        n if n >= 1 << 20 => format!("{:.1} MiB", n as f64 / f64::from(1 << 20)),
+        n if n >= 1 << 10 => format!("{:.1} KiB", n as f64 / 1024.0),
+        n => format!("{n} B"),
+    }
+}
+
+fn text(imported: &Imported) -> String {
+    let (info, c) = (&imported.info, &imported.info.counts);
+    let mut out = String::new();
+    let n = |v: u64| output::count(v as f64);
+    let _ = writeln!(
+        out,
+        "{}: {} {}, {}{}",
+        info.file,
+        info.format,
+        info.version,
+        bytes(info.bytes),
+        if info.external_bytes > 0 { format!(" and {} beside it", bytes(info.external_bytes)) } else { String::new() }
+    );
+    for (what, value) in [("by", &info.generator), ("copyright", &info.copyright), ("scene", &info.scene)] {
+        if let Some(v) = value {
+            let _ = writeln!(out, "  {what} {v}");
+        }
+    }
+    let bounds = imported.scene.bounds();
+    if !bounds.is_empty() {
+        let (a, b) = (bounds.min, bounds.max);
+        let _ = writeln!(out, "  from ({:.3}, {:.3}, {:.3}) to ({:.3}, {:.3}, {:.3}) m", a.x, a.y, a.z, b.x, b.y, b.z);
+    }
+    let row = |cells: &[&dyn std::fmt::Display]| cells.iter().map(|c| c.to_string()).collect::<Vec<_>>();
+    table(
+        &mut out,
+        "counts",
+        &[
+            row(&[&"nodes", &n(c.nodes), &format!("{} shown", n(c.visible_nodes))]),
+            row(&[&"meshes", &n(c.meshes), &format!("{} primitives, {} vertices", n(c.primitives), n(c.vertices))]),
+            row(&[&"triangles", &n(c.triangles), &format!("{} shown in {} instances", n(c.shown_triangles), n(c.instances))]),
+            row(&[&"images", &n(c.images), &format!("{} textures, {} decoded", n(c.textures), bytes(c.image_bytes))]),
+            row(&[&"materials", &n(c.materials)]),
+            row(&[&"skins", &n(c.skins)]),
+        ],
+    );
+    let support = |s: Option<Support>| match s {
+        Some(Support::Full) => "supported",
+        Some(Support::Partly) => "supported in part",
+        Some(Support::Ignored) => "not supported yet: ignored",
+        Some(Support::Refused) => "not supported yet: refused if required",
+        None => "unknown: ignored",
+    };
+    let required = |r: bool| if r { "required" } else { "used" };
+    let rows: Vec<_> =
+        info.extensions.iter().map(|e| row(&[&e.name, &required(e.required), &support(e.support)])).collect();
+    table(&mut out, "extensions", &rows);
+    let rows: Vec<_> = info
+        .meshes
+        .iter()
+        .enumerate()
+        .flat_map(|(i, m)| {
+            m.primitives.iter().map(move |p| {
+                vec![
+                    i.to_string(),
+                    m.name.clone(),
+                    p.mode.to_string(),
+                    format!("{} triangles", p.triangles),
+                    p.attributes.join(" "),
+                    p.material.map_or_else(|| "default material".into(), |m| format!("material {m}")),
+                ]
+            })
+        })
+        .collect();
+    table(&mut out, "meshes", &rows);
+    let rows: Vec<_> = info
+        .materials
+        .iter()
+        .enumerate()
+        .map(|(i, m)| {
+            let mut notes = Vec::new();
+            notes.extend((m.alpha_mode != "OPAQUE").then(|| m.alpha_mode.to_lowercase()));
+            notes.extend(m.double_sided.then(|| "double-sided".to_string()));
+            notes.extend(m.unlit.then(|| "unlit".to_string()));
+            notes.extend(m.factors.iter().map(|(name, v)| {
+                let v: Vec<_> = v.iter().map(|x| format!("{}", (x * 1e4).round() / 1e4)).collect();
+                format!("{name} {}", v.join(","))
+            }));
+            notes.extend(m.textures.iter().map(|(name, t)| format!("{name} → texture {t}")));
+            vec![i.to_string(), m.name.clone(), notes.join("; ")]
+        })
+        .collect();
+    table(&mut out, "materials", &rows);
+    let rows: Vec<_> = info
+        .images
+        .iter()
+        .enumerate()
+        .map(|(i, m)| {
+            let size = if m.used {
+                format!("{} {} × {} × {}, {} bit, {} → {}", m.format, m.width, m.height, m.channels, m.bits, bytes(m.bytes), bytes(m.decoded_bytes))
+            } else {
+                "not used".into()
+            };
+            vec![i.to_string(), m.uri.clone().unwrap_or_else(|| m.name.clone()), size]
+        })
+        .collect();
+    table(&mut out, "images", &rows);
+    let rows: Vec<_> = info
+        .cameras
+        .iter()
+        .enumerate()
+        .map(|(i, k)| {
+            let size = if k.kind == "perspective" { format!("{:.1}° high", k.size.to_degrees()) } else { format!("{} m half height", k.size) };
+            vec![i.to_string(), k.name.clone(), k.kind.to_string(), size]
+        })
+        .collect();
+    table(&mut out, "cameras", &rows);
+    let rows: Vec<_> = info
+        .lights
+        .iter()
+        .enumerate()
+        .map(|(i, l)| vec![i.to_string(), l.name.clone(), l.kind.to_string(), format!("{} {}", l.intensity, if l.kind == "directional" { "lx" } else { "cd" })])
+        .collect();
+    table(&mut out, "lights", &rows);
+    let rows: Vec<_> = info
+        .animations
+        .iter()
+        .enumerate()
+        .map(|(i, a)| vec![i.to_string(), a.name.clone(), format!("{} channels", a.channels)])
+        .collect();
+    table(&mut out, "animations", &rows);
+    let rows: Vec<_> = imported.warnings.iter().map(|w| vec![w.to_string()]).collect();
+    table(&mut out, "warnings", &rows);
+    out
+}

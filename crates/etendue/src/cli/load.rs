@@ -1,0 +1,106 @@
+//! Files into a scene with a sky and a camera.
+
+use super::CliError;
+use super::args::RenderArgs;
+use crate::builtin;
+use crate::image::read_environment;
+use crate::import::{ImportOptions, Imported, Limits, import};
+use crate::render::World;
+use crate::scene::{Camera, Environment, Projection};
+use glam::Vec3;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The model that the arguments name.
+pub(crate) fn model(path: Option<&Path>, at: Option<f32>, allow_outside: bool) -> Result<Imported, CliError> {
+    let limits = Limits { outside_folder: allow_outside, ..Limits::default() };
+    let options = ImportOptions { at, limits, ..ImportOptions::default() };
+    Ok(match path {
+        Some(p) => import(p, &options)?,
+        None => builtin::import_helmet(&options)?,
+    })
+}
+
+/// The sky that the arguments name, and how many of its pixels had to be mended.
+pub(crate) fn environment(args: &RenderArgs) -> Result<(Environment, u64), CliError> {
+    let rotation = args.env_rotation.to_radians();
+    let sky = args.env.as_deref().unwrap_or("studio");
+    let constant = |c: [f32; 3]| (Environment::Constant(Vec3::from(c) * args.env_intensity), 0);
+    if sky == "none" {
+        return Ok(constant([0.0; 3]));
+    }
+    if let Ok(c) = super::args::vec3(sky) {
+        if c.0.iter().any(|v| *v < 0.0) {
+            return Err(CliError::Usage(format!("the sky's colour {sky} is negative")));
+        }
+        return Ok(constant(c.0));
+    }
+    let path = Path::new(sky);
+    if sky == "studio" && !path.exists() {
+        return Ok((builtin::studio(rotation, args.env_intensity)?, 0));
+    }
+    if let Err(source) = std::fs::metadata(path) {
+        return Err(CliError::Read { path: path.to_path_buf(), source });
+    }
+    let e = read_environment(path)?;
+    let image = Arc::new(e.image);
+    Ok((Environment::LatLong { image, rotation, intensity: args.env_intensity }, e.repaired))
+}
+
+/// Default vertical field of view, degrees.
+const VFOV: f32 = 35.0;
+
+/// Picture size and camera.
+pub(crate) fn camera(args: &RenderArgs, world: &World) -> Result<(Camera, (u32, u32)), CliError> {
+    let mut camera = match &args.camera {
+        Some(which) => Some(file_camera(which, &world.scene().cameras)?),
+        None => None,
+    };
+    let aspect = camera.as_ref().and_then(|c| c.aspect).filter(|a| a.is_finite() && *a > 0.0);
+    let size = args.size.unwrap_or_else(|| match aspect {
+        Some(a) => (((512.0 * a).round() as u32).clamp(1, 65536), 512),
+        None => (512, 512),
+    });
+    if let (Some(c), Some(v)) = (&mut camera, args.vfov) {
+        match &mut c.projection {
+            Projection::Perspective { yfov } => *yfov = v.to_radians(),
+            Projection::Orthographic { .. } => {
+                return Err(CliError::Usage("--vfov does not apply to an orthographic camera".into()));
+            }
+        }
+    }
+    if let Some(c) = camera {
+        return Ok((c, size));
+    }
+    let vfov = args.vfov.unwrap_or(VFOV).to_radians();
+    let bounds = world.accel().bounds();
+    let camera = match args.eye {
+        None => Camera::framing(&bounds, size.0 as f32 / size.1 as f32, vfov),
+        Some(eye) => {
+            let target = args.target.map_or_else(
+                || if bounds.is_empty() { Vec3::ZERO } else { bounds.center().into() },
+                |t| Vec3::from(t.0),
+            );
+            let up = args.up.map_or(Vec3::Y, |u| Vec3::from(u.0));
+            let eye = Vec3::from(eye.0);
+            if eye == target {
+                return Err(CliError::Usage("--eye and --target are the same point".into()));
+            }
+            Camera::look_at(eye, target, up, vfov)
+        }
+    };
+    Ok((camera, size))
+}
+
+fn file_camera(which: &str, cameras: &[Camera]) -> Result<Camera, CliError> {
+    let by_number = which.parse::<usize>().ok().and_then(|n| cameras.get(n));
+    if let Some(c) = by_number.or_else(|| cameras.iter().find(|c| c.name == which)) {
+        return Ok(c.clone());
+    }
+    let list: Vec<_> = cameras.iter().enumerate().map(|(i, c)| format!("{i} ({})", c.name)).collect();
+    Err(CliError::Usage(if list.is_empty() {
+        format!("there is no camera {which}: the file has none; use --eye and --target, or neither to frame the model")
+    } else {
+        format!("there is no camera {which}; the file has {}", list.join(", "))
+    }))
+}

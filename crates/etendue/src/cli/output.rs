@@ -1,0 +1,121 @@
+//! Films into files.
+
+use super::CliError;
+use super::args::DevelopArgs;
+use crate::color::ToneCurve;
+use crate::image::{
+    Depth, Development, Image, Metadata, PictureFormat, Pixels, WriteOptions, write_atomic, write_layers_exr,
+    write_picture,
+};
+use crate::render::{Film, FilmInfo};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+impl DevelopArgs {
+    /// The development that the arguments ask for.
+    pub fn development(&self) -> Development {
+        Development {
+            exposure_ev: self.exposure,
+            curve: if self.linear { ToneCurve::None } else { self.curve },
+            linear: self.linear,
+            depth: if self.bits.is_some_and(|b| b > 8) { Depth::Sixteen } else { Depth::Eight },
+            dither: false,
+        }
+    }
+
+    /// The same with file options.
+    pub fn write_options(&self, metadata: Metadata) -> WriteOptions {
+        WriteOptions {
+            development: self.development(),
+            jpeg_quality: self.quality,
+            half: self.bits != Some(32),
+            metadata,
+        }
+    }
+}
+
+/// Multiplies light by 2 to the power of `ev`, for files that keep light.
+pub(crate) fn expose(image: &mut Image, ev: f32) {
+    if let (Pixels::F32(p), true) = (&mut image.pixels, ev != 0.0) {
+        let gain = ev.exp2();
+        let n = image.channels as usize;
+        for pixel in p.chunks_exact_mut(n) {
+            for v in &mut pixel[..n.min(3)] {
+                *v *= gain;
+            }
+        }
+    }
+}
+
+/// Writes a film as a picture: layered if it has passes and the format is OpenEXR.
+pub(crate) fn write_film_picture(
+    path: &Path,
+    film: &Film,
+    info: &FilmInfo,
+    develop: &DevelopArgs,
+    transparent: bool,
+) -> Result<(), CliError> {
+    let format = PictureFormat::from_path(path)?;
+    let mut metadata = Metadata::default();
+    metadata.set("Software", concat!("etendue ", env!("CARGO_PKG_VERSION")));
+    for (k, v) in info.notes.iter().filter(|(k, _)| *k != ARGUMENTS && *k != NAMES) {
+        metadata.set(k.clone(), v.clone());
+    }
+    metadata.set("Picture", info.picture.clone());
+    metadata.set("Samples", film.samples().to_string());
+    let light = matches!(format, PictureFormat::Exr | PictureFormat::Hdr);
+    if format == PictureFormat::Exr && !film.passes.is_empty() {
+        let names = info.notes.get(NAMES).and_then(|n| serde_json::from_str(n).ok()).unwrap_or_default();
+        let (layers, more) = film.layers(transparent, &names);
+        more.entries.into_iter().for_each(|(k, v)| metadata.set(k, v));
+        let half = develop.bits != Some(32);
+        write_layers_exr(path, &layers, (film.width, film.height), &metadata, half)?;
+        return Ok(());
+    }
+    let mut picture = film.picture(transparent);
+    if light {
+        expose(&mut picture, develop.exposure);
+    }
+    write_picture(path, &picture, &develop.write_options(metadata))?;
+    Ok(())
+}
+
+/// Note of a film: the arguments that rendered it, as JSON.
+pub(crate) const ARGUMENTS: &str = "arguments";
+/// Note of a film: names of objects and materials, as JSON.
+pub(crate) const NAMES: &str = "names";
+
+/// Writes a film file.
+pub(crate) fn write_film(path: &Path, film: &Film, info: &FilmInfo) -> Result<(), CliError> {
+    let bytes = film.to_bytes(info);
+    write_atomic::<std::io::Error>(path, |w| w.write_all(&bytes))
+        .map_err(|source| CliError::Write { path: path.to_path_buf(), source })
+}
+
+/// Reads a film file.
+pub(crate) fn read_film(path: &Path) -> Result<(Film, FilmInfo), CliError> {
+    let bytes = std::fs::read(path).map_err(|source| CliError::Read { path: path.to_path_buf(), source })?;
+    Film::from_bytes(&bytes).map_err(|source| CliError::Film { path: path.to_path_buf(), source })
+}
+
+/// Peak memory of this process so far, bytes, where the system tells.
+pub(crate) fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|k| k * 1024)
+}
+
+/// `1234567` as `1.23 M`.
+pub(crate) fn count(n: f64) -> String {
+    match n {
+        n if n >= 1e9 => format!("{:.2} G", n / 1e9),
+        n if n >= 1e6 => format!("{:.2} M", n / 1e6),
+        n if n >= 1e4 => format!("{:.1} k", n / 1e3),
+        n => format!("{n:.0}"),
+    }
+}
+
+/// Notes for a film's file.
+pub(crate) fn notes<const N: usize>(entries: [(&str, String); N]) -> BTreeMap<String, String> {
+    entries.into_iter().map(|(k, v)| (k.to_string(), v)).collect()
+}
