@@ -1,9 +1,9 @@
 //! From meshes to pictures: which place of the surface each texel shows, and what the surface does around it.
 
-use crate::noise::hash;
+use crate::noise::{hash, smoothstep};
 use crate::occlusion::Occluders;
 use crate::shape::Mesh;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
 /// A place on the surface as a texel sees it.
@@ -17,6 +17,8 @@ pub struct Texel {
     pub right: Vec3,
     /// See `right`.
     pub up: Vec3,
+    /// Tangent and handedness as the file has them.
+    pub tangent: Vec4,
     /// The part's paint coordinates.
     pub aux: Vec3,
     /// Which part, 0 for none.
@@ -32,6 +34,7 @@ const NOTHING: Texel = Texel {
     nrm: Vec3::Z,
     right: Vec3::X,
     up: Vec3::Y,
+    tangent: Vec4::new(1.0, 0.0, 0.0, 1.0),
     aux: Vec3::ZERO,
     part: 0,
     open: 1.0,
@@ -57,6 +60,7 @@ impl Atlas {
     /// Draws a mesh (positions in the helmet's space) into its texture coordinates as part `part` (1..).
     pub fn draw(&mut self, m: &Mesh, part: u8) {
         let size = Vec2::new(self.width as f32, self.height as f32);
+        let tangents = m.tangents();
         for t in m.idx.chunks_exact(3) {
             let i = [0, 1, 2].map(|k| t[k] as usize);
             let uv = i.map(|k| m.uv[k] * size);
@@ -67,6 +71,7 @@ impl Atlas {
             }
             let (p1, p2) = (m.pos[i[1]] - m.pos[i[0]], m.pos[i[2]] - m.pos[i[0]]);
             let right = (p1 * e2.y - p2 * e1.y) / det;
+            let ridge = smoothstep(150.0, 500.0, bend(m, i));
             let down = (p2 * e1.x - p1 * e2.x) / det;
             let min = uv[0].min(uv[1]).min(uv[2]) - 0.5;
             let max = uv[0].max(uv[1]).max(uv[2]) + 0.5;
@@ -84,10 +89,11 @@ impl Atlas {
                         nrm: of(&m.nrm).normalize_or(Vec3::Z),
                         right,
                         up: -down,
+                        tangent: tangents[i[0]] * w[0] + tangents[i[1]] * w[1] + tangents[i[2]] * w[2],
                         aux: of(&m.aux),
                         part,
                         open: 1.0,
-                        ridge: 0.0,
+                        ridge,
                     };
                 }
             }
@@ -121,11 +127,30 @@ impl Atlas {
         }
     }
 
-    /// Computes openness (within `reach` metres) and ridges (within `edge` metres) on every `step`-th texel and spreads them
-    /// linearly between.
-    pub fn occlude(&mut self, world: &Occluders, reach: f32, edge: f32, step: usize, rays: u32) {
+    /// Widens and softens ridges by `radius` texels within their part.
+    pub fn soften_ridges(&mut self, radius: usize) {
+        let (w, h) = (self.width, self.height);
+        for along_x in [true, false] {
+            let old: Vec<(u8, f32)> = self.texels.iter().map(|t| (t.part, t.ridge)).collect();
+            self.texels.par_iter_mut().enumerate().filter(|(_, t)| t.part != 0).for_each(|(i, t)| {
+                let (at, end, stride) = if along_x { (i % w, w, 1) } else { (i / w, h, w) };
+                let (mut sum, mut n) = (0.0, 0.0);
+                for k in at.saturating_sub(radius)..=(at + radius).min(end - 1) {
+                    let (part, ridge) = old[i + k * stride - at * stride];
+                    if part == t.part {
+                        sum += ridge;
+                        n += 1.0;
+                    }
+                }
+                t.ridge = sum / n;
+            });
+        }
+    }
+
+    /// Computes openness (within `reach` metres) on every `step`-th texel and spreads it linearly between.
+    pub fn occlude(&mut self, world: &Occluders, reach: f32, step: usize, rays: u32) {
         let (cw, ch) = (self.width.div_ceil(step), self.height.div_ceil(step));
-        let coarse: Vec<Option<(Vec2, u8)>> = (0..cw * ch)
+        let coarse: Vec<Option<(f32, u8)>> = (0..cw * ch)
             .into_par_iter()
             .map(|i| {
                 let (x, y) = ((i % cw * step + step / 2), (i / cw * step + step / 2));
@@ -133,8 +158,7 @@ impl Atlas {
                 (t.part != 0).then(|| {
                     let salt = hash(i as u32);
                     let open = world.openness(t.pos + t.nrm * 4e-4, t.nrm, reach, rays, salt);
-                    let solid = world.openness(t.pos - t.nrm * 2e-4, -t.nrm, edge, rays / 2, salt);
-                    (Vec2::new(open, 1.0 - solid), t.part)
+                    (open, t.part)
                 })
             })
             .collect();
@@ -149,7 +173,7 @@ impl Atlas {
                     (x as f32 - (step / 2) as f32) / step as f32,
                     (y as f32 - (step / 2) as f32) / step as f32,
                 );
-                let (mut sum, mut weight) = (Vec2::ZERO, 0.0);
+                let (mut sum, mut weight) = (0.0, 0.0);
                 // A tent two coarse texels wide: bilinear, and a little softer against the rays' noise.
                 for cy in (fy.floor() as i64 - 1)..=(fy.floor() as i64 + 2) {
                     for cx in (fx.floor() as i64 - 1)..=(fx.floor() as i64 + 2) {
@@ -167,12 +191,20 @@ impl Atlas {
                     }
                 }
                 if weight > 0.0 {
-                    t.open = sum.x / weight;
-                    t.ridge = sum.y / weight;
+                    t.open = sum / weight;
                 }
             }
         });
     }
+}
+
+/// The strongest convex bend along a triangle's edges, 1/metres: the change of the normal along the edge, by its length.
+fn bend(m: &Mesh, i: [usize; 3]) -> f32 {
+    [(0, 1), (1, 2), (2, 0)].iter().fold(0.0f32, |most, &(a, b)| {
+        let (a, b) = (i[a], i[b]);
+        let edge = m.pos[b] - m.pos[a];
+        most.max((m.nrm[b] - m.nrm[a]).dot(edge) / edge.length_squared().max(1e-12))
+    })
 }
 
 /// What the paint is like at a texel.
@@ -249,8 +281,9 @@ pub fn paint(atlas: &Atlas, background: Vec3, painter: impl Fn(&Texel) -> Paint 
                 return [128, 128, 255];
             }
             let bent = (n - (r1 * du + r2 * dv) / det).normalize_or(n);
-            let tx = (t.right - n * n.dot(t.right)).normalize_or(Vec3::X);
-            let ty = n.cross(tx) * if n.cross(tx).dot(t.up) < 0.0 { -1.0 } else { 1.0 };
+            let tx = t.tangent.truncate();
+            let tx = (tx - n * n.dot(tx)).normalize_or(Vec3::X);
+            let ty = n.cross(tx) * t.tangent.w.signum();
             [bent.dot(tx), bent.dot(ty), bent.dot(n)].map(|c| unit8(c * 0.5 + 0.5))
         })
         .collect();

@@ -195,16 +195,21 @@ pub fn connector_place(side: f32) -> Mat4 {
     place_on_shell(direction(0.62 * side, -0.66), 0.001)
 }
 
+/// Where the hose ends: low behind the right ear.
+pub fn hose_end() -> Mat4 {
+    place_on_shell(direction(-2.5, -0.40), 0.001)
+}
+
 /// The breathing hose: corrugated, from the right connector down, back and up to the shell behind the ear.
 pub fn hose_mesh() -> Mesh {
     let place = connector_place(-1.0);
     let start = place.transform_point3(Vec3::new(0.0, 0.0, 0.015));
     let out = place.transform_vector3(Vec3::Z);
-    let back = direction(-2.35, -0.42);
-    let (end, n) = (on_shell(back), normal(back, shell));
+    let place = hose_end();
+    let end = place.transform_point3(Vec3::new(0.0, 0.0, 0.015));
+    let n = place.transform_vector3(Vec3::Z);
     // A cubic through air: leaves along the connector, arrives along the shell's normal.
-    let controls =
-        [start, start + out * 0.105, end + n * 0.115 + Vec3::new(0.0, -0.035, 0.02), end - n * 0.004];
+    let controls = [start, start + out * 0.105, end + n * 0.10 + Vec3::new(0.0, -0.035, 0.02), end];
     let ribs = 38;
     let steps = ribs * 3;
     let points: Vec<Vec3> = (0..=steps)

@@ -2,7 +2,7 @@
 
 use crate::bake::{Atlas, Maps, Paint, Texel, paint};
 use crate::noise::{hash, smoothstep, unit};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use std::f32::consts::{PI, TAU};
 
 /// Noise per thread: a number 0..1 for a lattice point that repeats every `n`.
@@ -21,6 +21,7 @@ fn tile(size: usize, metres: f32) -> Atlas {
             nrm: Vec3::Z,
             right: Vec3::X * step,
             up: Vec3::Y * step,
+            tangent: Vec4::new(1.0, 0.0, 0.0, 1.0),
             aux: Vec3::ZERO,
             part: 1,
             open: 1.0,
@@ -87,9 +88,9 @@ pub fn quilt() -> Maps {
         let (a, b) = pad(t.pos);
         let stitch = smoothstep(0.035, 0.02, a.min(b));
         let dash = if ((t.pos.x - t.pos.y) * 16.0).rem_euclid(1.0) < 0.6 { stitch } else { 0.0 };
-        let base = Vec3::new(0.050, 0.046, 0.042) * (0.75 + 0.4 * knit);
+        let base = Vec3::new(0.30, 0.215, 0.14) * (0.75 + 0.4 * knit);
         Paint {
-            base: base.lerp(Vec3::new(0.42, 0.10, 0.03), 0.8 * dash),
+            base: base.lerp(Vec3::new(0.55, 0.10, 0.03), 0.8 * dash),
             metallic: 0.0,
             roughness: 0.9,
             height: 2.2e-3 * h + 1.0e-4 * knit,

@@ -56,6 +56,7 @@ impl Gltf {
     fn floats(&mut self, kind: &str, values: &[f32], bounds: Option<(Vec<f32>, Vec<f32>)>) -> usize {
         let n = match kind {
             "VEC2" => 2,
+            "VEC4" => 4,
             _ => 3,
         };
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
@@ -111,6 +112,8 @@ impl Gltf {
         let bounds = Some((min.to_array().to_vec(), max.to_array().to_vec()));
         let position = self.floats("VEC3", &flat(&m.pos), bounds);
         let normal = self.floats("VEC3", &flat(&m.nrm), None);
+        let tangents: Vec<f32> = m.tangents().iter().flat_map(|t| t.to_array()).collect();
+        let tangent = self.floats("VEC4", &tangents, None);
         let uv = self.floats("VEC2", &m.uv.iter().flat_map(|t| t.to_array()).collect::<Vec<_>>(), None);
         let bytes: Vec<u8> = m.idx.iter().flat_map(|i| (*i as u16).to_le_bytes()).collect();
         assert!(m.pos.len() < 65_535, "a primitive's vertices are counted in 16 bits");
@@ -119,7 +122,7 @@ impl Gltf {
             json!({ "bufferView": view, "componentType": 5123, "count": m.idx.len(), "type": "SCALAR" }),
         );
         json!({
-            "attributes": { "POSITION": position, "NORMAL": normal, "TEXCOORD_0": uv },
+            "attributes": { "POSITION": position, "NORMAL": normal, "TANGENT": tangent, "TEXCOORD_0": uv },
             "indices": self.accessors.len() - 1,
             "material": material
         })

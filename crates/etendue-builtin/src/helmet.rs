@@ -106,7 +106,7 @@ fn hardware() -> Vec<Placed> {
             name: "connector",
             part: Part::Connector,
             mesh: lathe_uv(connector_mesh(), strip(576.0, 784.0, 232.0, 232.0)),
-            places: vec![left, mirrored(left)],
+            places: vec![left, connector_place(-1.0), hose_end()],
         },
         Placed {
             name: "bolt",
@@ -203,13 +203,13 @@ pub fn helmet() -> Vec<u8> {
 
     let mut shell_atlas = Atlas::new(2048, 1024);
     shell_atlas.draw(&shell, 1);
-    shell_atlas.occlude(&occluders, 0.07, 0.004, 4, 48);
+    shell_atlas.occlude(&occluders, 0.07, 4, 64);
     shell_atlas.grow(6);
     let shell_maps = paint(&shell_atlas, Vec3::splat(0.3), shell_paint);
 
     let mut visor_atlas = Atlas::new(1024, 512);
     visor_atlas.draw(&visor, 1);
-    visor_atlas.occlude(&occluders, 0.05, 0.004, 4, 48);
+    visor_atlas.occlude(&occluders, 0.05, 4, 64);
     visor_atlas.grow(6);
     let visor_maps = paint(&visor_atlas, Vec3::new(0.8, 0.5, 0.2), visor_paint);
 
@@ -218,7 +218,8 @@ pub fn helmet() -> Vec<u8> {
         // Of several places the first is the one that faces the usual camera.
         parts_atlas.draw(&p.mesh.clone().transform(p.places[0]), p.part as u8);
     }
-    parts_atlas.occlude(&occluders, 0.05, 0.003, 2, 48);
+    parts_atlas.soften_ridges(2);
+    parts_atlas.occlude(&occluders, 0.05, 2, 64);
     parts_atlas.grow(4);
     let parts_maps = paint(&parts_atlas, Vec3::splat(0.02), parts_paint);
 

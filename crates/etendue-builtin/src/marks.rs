@@ -192,19 +192,19 @@ pub fn shell_marks(p: Vec3) -> Vec<(Ink, f32)> {
         let q = Vec2::new(-p.z * side, p.y);
         let text = |place: Vec2, s: &str, h: f32, stroke: f32| cover(text_distance(q - place, s, h) - stroke);
         if p.y > -0.012 {
-            out.push((Ink::Dark, text(at(0.024, 0.072), "07", 0.034, 0.0034)));
-            out.push((Ink::Dark, text(at(0.024, 0.0585), "ETENDUE", 0.0068, 0.00064)));
-            out.push((Ink::Dark, text(at(0.024, 0.0510), "N2 A OMEGA", 0.0034, 0.00040)));
+            out.push((Ink::Dark, text(at(0.010, 0.072), "07", 0.034, 0.0034)));
+            out.push((Ink::Dark, text(at(0.010, 0.0585), "ETENDUE", 0.0068, 0.00064)));
+            out.push((Ink::Dark, text(at(0.010, 0.0510), "N2 A OMEGA", 0.0034, 0.00040)));
             out.push((Ink::Signal, cover(insignia(q - at(-0.090, 0.030), 0.020))));
             out.push((Ink::Dark, text(at(-0.090, 0.0030), "LIGHT CREW", 0.0036, 0.00042)));
             // The rescue arrow points at the ear's release.
-            let tip = q - at(-0.020, 0.030);
+            let tip = q - at(-0.022, 0.030);
             out.push((Ink::Signal, cover(arrow(Vec2::new(-tip.y, tip.x), 0.012))));
-            out.push((Ink::Dark, text(at(-0.020, 0.0440), "RESCUE", 0.0040, 0.00046)));
+            out.push((Ink::Dark, text(at(-0.022, 0.0435), "RESCUE", 0.0040, 0.00046)));
         } else {
             // A data plate and a row of warning bars on the jaw.
-            let place = at(-0.052, -0.070);
-            let frame = rectangle(q - place, Vec2::new(0.0185, 0.0085)).abs() - 0.0004;
+            let place = at(-0.048, -0.068);
+            let frame = rectangle(q - place, Vec2::new(0.0225, 0.0085)).abs() - 0.0004;
             out.push((Ink::Light, cover(frame)));
             out.push((Ink::Light, text(place + Vec2::new(0.0, 0.0016), "VISOR LOCK", 0.0040, 0.00044)));
             out.push((Ink::Light, text(place + Vec2::new(0.0, -0.0052), "PULL DOWN", 0.0036, 0.00040)));

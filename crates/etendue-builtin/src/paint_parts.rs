@@ -72,7 +72,7 @@ fn painted(t: &Texel, colour: Vec3, rough: f32, amount: f32) -> Paint {
     let n = fbm(p * 60.0, 4, 121);
     let chips = 0.6 * fbm(p * 150.0, 4, 122) + 0.4 * fbm(p * 500.0, 2, 123);
     let patchy = smoothstep(-0.4, 0.5, fbm(p * 22.0, 3, 124));
-    let worn = 1.25 * t.ridge * (0.35 + 0.9 * patchy) + 0.75 * chips;
+    let worn = 1.0 * t.ridge * (0.35 + 0.8 * patchy) + 0.80 * chips;
     let through = smoothstep(1.0 - amount, 1.08 - amount, worn);
     let metal = bare_metal(t, STEEL, 0.30);
     Paint {
@@ -98,7 +98,7 @@ fn soiled(t: &Texel, mut p: Paint, amount: f32) -> Paint {
 const FRAME_STEP: f32 = 0.0196;
 
 fn frame(t: &Texel) -> Paint {
-    let mut p = painted(t, BLACK, 0.34, 0.36);
+    let mut p = painted(t, BLACK, 0.34, 0.34);
     // Lines of light at both temples, in the step between flange and lip.
     let side = smoothstep(0.062, 0.066, t.pos.x.abs())
         * smoothstep(-0.032, -0.028, t.pos.y)
@@ -144,16 +144,16 @@ fn pod(t: &Texel) -> Paint {
         return p;
     }
     if r > 0.0200 {
-        return painted(t, RED, 0.28, 0.12);
+        return painted(t, RED, 0.28, 0.36);
     }
     if r > 0.0105 {
-        return painted(t, BLACK, 0.45, 0.08);
+        return painted(t, BLACK, 0.45, 0.30);
     }
     bare_metal(t, BRASS, 0.26)
 }
 
 fn mouth(t: &Texel) -> Paint {
-    let mut p = painted(t, BLACK * 1.3, 0.42, 0.12);
+    let mut p = painted(t, BLACK * 1.3, 0.40, 0.32);
     // A thin line of light on the upper bevel, and a status lamp on either side of it.
     let (x, y) = (t.aux.x, t.aux.y - 0.0222);
     let line = smoothstep(0.0010, 0.0006, y.abs()) * smoothstep(0.0135, 0.0130, x.abs());
@@ -166,7 +166,7 @@ fn mouth(t: &Texel) -> Paint {
 fn connector(t: &Texel) -> Paint {
     let (r, angle) = (t.aux.x, t.aux.y);
     let mut p = if r > 0.0450 {
-        painted(t, BLACK, 0.4, 0.12)
+        painted(t, BLACK, 0.4, 0.32)
     } else if r > 0.0250 {
         bare_metal(t, BRASS, 0.28)
     } else {
@@ -191,13 +191,19 @@ pub fn parts_paint(t: &Texel) -> Paint {
     } else if part(Part::Mouth) {
         mouth(t)
     } else if part(Part::Grille) {
-        painted(t, BLACK, 0.38, 0.20)
+        bare_metal(t, STEEL * 0.55, 0.32)
     } else if part(Part::Connector) {
         connector(t)
     } else if part(Part::Lamp) {
-        let mut p = painted(t, BLACK, 0.35, 0.12);
+        let mut p = painted(t, BLACK, 0.35, 0.36);
         let lens = smoothstep(0.0100, 0.0096, t.aux.x);
-        p.emissive = Vec3::new(1.0, 0.86, 0.66) * lens;
+        // A lens of rings, brightest in the middle.
+        let rings = 0.75 + 0.25 * (t.aux.x * 5200.0).cos();
+        let spot = 0.05 + 0.55 * smoothstep(0.0085, 0.0, t.aux.x).powi(2);
+        p.emissive = Vec3::new(1.0, 0.84, 0.60) * (lens * rings * spot);
+        p.base = p.base.lerp(Vec3::splat(0.30), lens);
+        p.roughness = mix(p.roughness, 0.12, lens);
+        p.height += 8.0e-5 * lens * (t.aux.x * 5200.0).cos();
         p
     } else {
         bare_metal(t, STEEL, 0.27)

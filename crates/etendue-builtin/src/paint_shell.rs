@@ -124,8 +124,8 @@ pub fn shell_paint(t: &Texel) -> Paint {
     let chips = 0.55 * fbm(p * 95.0, 5, 21) + 0.45 * fbm(p * 330.0, 3, 22);
     let patchy = smoothstep(-0.35, 0.45, fbm(p * 14.0, 3, 23));
     let worn = rub * (0.45 + 0.75 * patchy) + 0.95 * chips;
-    let to_primer = smoothstep(0.90, 0.95, worn);
-    let to_metal = smoothstep(1.02, 1.07, worn);
+    let to_primer = smoothstep(0.84, 0.89, worn);
+    let to_metal = smoothstep(0.95, 1.00, worn);
     // Stone chips: few, small, anywhere.
     let (w1, _, id) = worley(p * 75.0, 31);
     let size = if id % 11 == 0 { 0.05 + 0.10 * crate::noise::unit(crate::noise::hash(id)) } else { 0.0 };

@@ -1,6 +1,6 @@
 //! Triangle meshes while they are being made: positions, normals, texture and paint coordinates.
 
-use glam::{Mat3, Mat4, Vec2, Vec3};
+use glam::{Mat3, Mat4, Vec2, Vec3, Vec4};
 
 /// A triangle mesh under construction. Counter-clockwise triangles face outward.
 #[derive(Clone, Default)]
@@ -64,6 +64,32 @@ impl Mesh {
             self.idx.chunks_exact_mut(3).for_each(|t| t.swap(1, 2));
         }
         self
+    }
+
+    /// Unit tangents (along u) and the handedness of the bitangent (against v: up in the picture) for every vertex, as glTF
+    /// has them: bitangent = cross(normal, tangent) × w. Triangles count in proportion to their area.
+    pub fn tangents(&self) -> Vec<Vec4> {
+        let mut sum = vec![(Vec3::ZERO, 0.0f32); self.pos.len()];
+        for t in self.idx.chunks_exact(3) {
+            let i = [0, 1, 2].map(|k| t[k] as usize);
+            let (e1, e2) = (self.uv[i[1]] - self.uv[i[0]], self.uv[i[2]] - self.uv[i[0]]);
+            let (p1, p2) = (self.pos[i[1]] - self.pos[i[0]], self.pos[i[2]] - self.pos[i[0]]);
+            let det = e1.perp_dot(e2);
+            let along = (p1 * e2.y - p2 * e1.y) * det.signum();
+            let area = p1.cross(p2).length();
+            for k in i {
+                sum[k].0 += along.normalize_or_zero() * area;
+                // v grows downward: a chart that is upright seen from outside runs clockwise in texture coordinates.
+                sum[k].1 -= det.signum() * area;
+            }
+        }
+        sum.iter()
+            .zip(&self.nrm)
+            .map(|((t, w), n)| {
+                let t = (*t - *n * n.dot(*t)).normalize_or(n.any_orthonormal_vector());
+                t.extend(if *w < 0.0 { -1.0 } else { 1.0 })
+            })
+            .collect()
     }
 
     /// Adds all of `other`.

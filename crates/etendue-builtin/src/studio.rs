@@ -117,7 +117,7 @@ pub fn radiance(d: Vec3) -> Vec3 {
     let elevation = d.y.clamp(-1.0, 1.0).asin();
     // How far the direction lies to the front, where the camera stands: the walls there are lit, those behind are not.
     let front = smoothstep(-0.75, 0.55, d.z);
-    let dark = Vec3::new(0.030, 0.040, 0.052);
+    let dark = Vec3::new(0.026, 0.033, 0.041);
     let glow = dark.lerp(Vec3::new(0.46, 0.44, 0.41), front);
     let ceiling = dark.lerp(Vec3::new(0.075, 0.085, 0.10), front);
     let wall = glow.lerp(ceiling, smoothstep(0.02, 0.85, elevation));
@@ -127,8 +127,8 @@ pub fn radiance(d: Vec3) -> Vec3 {
     // A pool of light on the backdrop, behind whatever the camera looks at.
     let pool = crate::form::direction(204f32.to_radians(), -8f32.to_radians());
     let angle = d.dot(pool).clamp(-1.0, 1.0).acos();
-    l += Vec3::new(0.130, 0.178, 0.210) * (-(angle / 0.36).powi(2)).exp();
-    l += Vec3::new(0.030, 0.042, 0.052) * (-(angle / 0.95).powi(2)).exp();
+    l += Vec3::new(0.125, 0.160, 0.180) * (-(angle / 0.33).powi(2)).exp();
+    l += Vec3::new(0.018, 0.024, 0.030) * (-(angle / 0.95).powi(2)).exp();
     lamps().iter().fold(l, |sum, s| sum + s.radiance(d))
 }
 
