@@ -93,7 +93,7 @@ pub trait Bsdf {
 
     /// Directional-hemispherical reflectance: the part of the light from `wo` that is scattered anywhere.
     ///
-    /// Each type says whether it is exact or an estimate; `quadrature::directional_albedo` is always exact.
+    /// Each type says whether it is exact or an estimate; [`crate::quadrature::directional_albedo`] is always exact.
     fn albedo(&self, wo: Vec3A) -> Spectrum;
 
     /// The scattering function, 1/sr, without the cosine; zero for perfectly specular parts.

@@ -30,7 +30,7 @@ impl Bsdf for Lambert {
     #[inline]
     fn sample(&self, wo: Vec3A, _uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
         let wi = sampling::cosine_hemisphere(u);
-        if !(wo.z > MIN_COS && wi.z > MIN_COS) {
+        if !(wo.z > MIN_COS && wi.z > MIN_COS && wi.is_finite()) {
             return None;
         }
         Some(BsdfSample {

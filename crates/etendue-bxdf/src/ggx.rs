@@ -236,6 +236,9 @@ impl Bsdf for GgxReflection {
             }
             (wi, self.fresnel.eval(p.cos_half) * (p.value * wi.z / p.pdf), p.pdf)
         };
+        if !wi.is_finite() {
+            return None;
+        }
         Some(BsdfSample {
             wi,
             weight,

@@ -10,9 +10,12 @@
 //! | [`fresnel`] | how much an interface reflects: Schlick, exact dielectric, ior ↔ F0 |
 //! | [`ggx`] | the Trowbridge-Reitz microfacet lobe, isotropic and anisotropic |
 //! | [`diffuse`] | Lambert |
+//! | [`energy`] | the GGX lobe's albedo as a table |
 //! | [`metal_rough`] | glTF 2.0 Appendix B with `KHR_materials_ior` and `KHR_materials_specular` |
 //! | [`math`] | elementary functions with the same bits on each platform |
 //! | [`sampling`] | disks, hemispheres, cones, triangles, frames, MIS weights |
+//! | [`quadrature`] | integrals over directions: albedo, total density |
+//! | [`laws`] | χ², furnace, reciprocity, as code to run on any closure |
 //!
 //! # Example
 //! ```
@@ -40,14 +43,17 @@
 
 pub mod bsdf;
 pub mod diffuse;
+pub mod energy;
 pub mod fresnel;
 pub mod ggx;
+pub mod laws;
 pub mod math;
 pub mod metal_rough;
+pub mod quadrature;
 pub mod sampling;
 
 pub use bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS};
 pub use diffuse::Lambert;
 pub use fresnel::Schlick;
 pub use ggx::{Ggx, GgxReflection};
-pub use metal_rough::{MetalRough, MetalRoughParams};
+pub use metal_rough::{Coupling, MetalRough, MetalRoughParams};

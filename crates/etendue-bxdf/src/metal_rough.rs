@@ -12,9 +12,27 @@
 //!
 //! S is the GGX lobe with heights correlated. Both specular parts share S and w, so the mix is one Fresnel term whose
 //! ends are mixed, and one diffuse term: nothing is evaluated twice.
+//!
+//! # Where this departs from the appendix, and why
+//! Taken literally, the diffuse weight `1 − max F(wo·h)` makes light: at grazing `wo` the specular lobe reflects nearly
+//! everything, while most of the half vectors that the diffuse lobe meets still see F ≈ f0. A white dielectric of
+//! roughness 0.1 then returns 1.36 of a white sky at 80° and 1.71 at 89° (`cargo run --release -p etendue-bxdf
+//! --example laws`). The appendix is informative and leaves better layering to the renderer. By default the weight is
+//! therefore the albedo-scaled one (Kelemen, Szirmay-Kalos 2001, "A Microfacet Based Coupled Specular-Matte BRDF
+//! Model with Importance Sampling"), which is reciprocal and loses and makes nothing:
+//!
+//! ```text
+//! (1 − F̄(wo)) (1 − F̄(wi)) / (1 − F̄avg),   F̄ = max over lanes of the dielectric's mean Fresnel term
+//! ```
+//!
+//! F̄(w) is F averaged over the microfacets seen from w ([`crate::energy`]): the part that does not enter the base,
+//! whether or not the single-scattering lobe gets all of it out again.
+//!
+//! [`Coupling::HalfVector`] is the literal one, for comparison with renderers that use it.
 
 use crate::{
     bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS},
+    energy::Row,
     fresnel::{f0_from_ior, schlick_weight},
     ggx::{ALPHA_DELTA, Ggx, mirror},
     sampling::cosine_hemisphere,
@@ -56,25 +74,48 @@ impl Default for MetalRoughParams {
     }
 }
 
+/// How much light the diffuse part gets, given what the specular part took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Coupling {
+    /// By the mean Fresnel terms of both directions: conserves energy.
+    #[default]
+    Albedo,
+    /// By Fresnel's term at the half vector, as glTF's Appendix B writes it: makes energy at grazing angles.
+    HalfVector,
+}
+
 /// The closure of a metallic-roughness surface at a point: small, `Copy`, made anew at each hit.
 ///
-/// Reciprocal. Its [`Bsdf::albedo`] is an estimate. Where α falls below [`ALPHA_DELTA`] the specular part is a perfect
-/// mirror.
+/// Reciprocal. Its [`Bsdf::albedo`] is the table's ([`crate::energy`]) with [`Coupling::Albedo`], within 0.003 of the
+/// integral for cos θ ≥ 0.01; an estimate with [`Coupling::HalfVector`]. Where α falls below [`ALPHA_DELTA`] the
+/// specular part is a perfect mirror.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MetalRough {
     ggx: Ggx,
     mirror: bool,
+    coupling: Coupling,
+    row: Row,
     /// Base colour of the diffuse part / π.
     diffuse: Spectrum,
     f0: Spectrum,
     f90: f32,
-    /// The diffuse part is scaled by `through − through_slope · w`.
-    through: f32,
-    through_slope: f32,
+    /// The dielectric's largest F0 and its F90, which the diffuse part is scaled by.
+    under_f0: f32,
+    under_f90: f32,
+    /// 1 / (1 − F̄avg).
+    inv_through_average: f32,
     /// Sums over lanes, for the choice of lobe.
     sum_diffuse: f32,
     sum_f0: f32,
     sum_f90: f32,
+}
+
+/// What depends on `wo` alone.
+#[derive(Clone, Copy)]
+struct View {
+    p_specular: f32,
+    /// Part of the light that reaches the base: 1 − F̄(wo).
+    through: f32,
 }
 
 /// 0..1, NaN to 0.
@@ -103,21 +144,35 @@ impl MetalRough {
         let f0 = dielectric_f0 * dielectric + base * metallic;
         let f90 = specular * dielectric + metallic;
         // max over lanes of F is linear in w as well: F grows with w in each lane, to the same f90.
-        let f0_max = dielectric_f0.max_element();
+        let under_f0 = dielectric_f0.max_element();
         let diffuse = base * (dielectric * FRAC_1_PI);
+        let row = Row::new(roughness);
+        let average = row.average();
+        // Where nothing gets through on average nothing gets through anywhere: the inverse only has to be finite.
+        let through_average = (1.0 - (under_f0 + (specular - under_f0) * average.w)).max(1e-6);
         Self {
             ggx: Ggx::new(alpha, alpha),
             mirror: alpha < ALPHA_DELTA,
+            coupling: Coupling::Albedo,
+            row,
             diffuse,
             f0,
             f90,
-            through: 1.0 - f0_max,
-            through_slope: specular - f0_max,
-            sum_diffuse: sum(diffuse) * (PI * (1.0 - f0_max)),
+            under_f0,
+            under_f90: specular,
+            inv_through_average: 1.0 / through_average,
+            sum_diffuse: sum(diffuse) * PI,
             sum_f0: sum(f0),
             // Lanes that take no part are zero in the base colour and in `specular_color`: three stand for all.
             sum_f90: 3.0 * f90,
         }
+    }
+
+    /// The same surface with another rule for its diffuse part.
+    #[inline]
+    pub fn with_coupling(mut self, coupling: Coupling) -> Self {
+        self.coupling = coupling;
+        self
     }
 
     #[inline(always)]
@@ -125,31 +180,58 @@ impl MetalRough {
         self.f0 + (Spectrum::splat(self.f90) - self.f0) * w
     }
 
-    /// Probability of the specular lobe.
+    /// 1 − F̄ of the specular layer over the diffuse part, F̄ from the mean Schlick weight.
     #[inline(always)]
-    fn specular_probability(&self, cos: f32) -> f32 {
-        let w = schlick_weight(cos);
-        let specular = self.sum_f0 + (self.sum_f90 - self.sum_f0) * w;
-        let all = specular + self.sum_diffuse;
-        if all > 0.0 { specular / all } else { 1.0 }
+    fn through(&self, w: f32) -> f32 {
+        (1.0 - (self.under_f0 + (self.under_f90 - self.under_f0) * w)).max(0.0)
+    }
+
+    /// The specular lobe is picked in proportion to its albedo, summed over lanes.
+    #[inline(always)]
+    fn view(&self, wo: Vec3A) -> View {
+        // A metal has one lobe and nothing to couple.
+        if self.sum_diffuse == 0.0 {
+            return View { p_specular: 1.0, through: 0.0 };
+        }
+        let albedo = self.row.directional(wo.z);
+        let through = match self.coupling {
+            Coupling::Albedo => self.through(albedo.w),
+            Coupling::HalfVector => 1.0 - self.under_f0,
+        };
+        let specular = (self.sum_f0 + (self.sum_f90 - self.sum_f0) * albedo.w) * albedo.e;
+        let all = specular + self.sum_diffuse * through;
+        View { p_specular: if all > 0.0 { specular / all } else { 1.0 }, through }
+    }
+
+    /// The diffuse part's factor at a pair of directions; `w` is Schlick's weight at their half vector.
+    #[inline(always)]
+    fn coupled(&self, view: View, wi: Vec3A, w: f32) -> f32 {
+        if self.sum_diffuse == 0.0 {
+            return 0.0;
+        }
+        match self.coupling {
+            Coupling::Albedo => {
+                view.through * self.through(self.row.directional(wi.z).w) * self.inv_through_average
+            }
+            Coupling::HalfVector => self.through(w),
+        }
     }
 
     /// Value by lobe and density; both directions must lie above [`MIN_COS`].
     #[inline(always)]
-    fn eval_above(&self, wo: Vec3A, wi: Vec3A) -> Eval {
-        let p_specular = self.specular_probability(wo.z);
-        let pdf_diffuse = (1.0 - p_specular) * (wi.z * FRAC_1_PI);
+    fn eval_above(&self, view: View, wo: Vec3A, wi: Vec3A) -> Eval {
+        let pdf_diffuse = (1.0 - view.p_specular) * (wi.z * FRAC_1_PI);
         if self.mirror {
             let w = schlick_weight(0.5 * (wo + wi).length());
-            let diffuse = self.diffuse * (self.through - self.through_slope * w);
+            let diffuse = self.diffuse * self.coupled(view, wi, w);
             return Eval { diffuse, specular: Spectrum::ZERO, pdf: pdf_diffuse };
         }
         let pair = self.ggx.pair(wo, wi);
         let w = schlick_weight(pair.cos_half);
         Eval {
-            diffuse: self.diffuse * (self.through - self.through_slope * w),
+            diffuse: self.diffuse * self.coupled(view, wi, w),
             specular: self.fresnel(w) * pair.value,
-            pdf: p_specular * pair.pdf + pdf_diffuse,
+            pdf: view.p_specular * pair.pdf + pdf_diffuse,
         }
     }
 }
@@ -161,7 +243,7 @@ impl Bsdf for MetalRough {
         if !(wo.z > MIN_COS && wi.z > MIN_COS) {
             return Eval::ZERO;
         }
-        let e = self.eval_above(wo, wi);
+        let e = self.eval_above(self.view(wo), wo, wi);
         if e.pdf < f32::INFINITY { e } else { Eval::ZERO }
     }
 
@@ -170,9 +252,13 @@ impl Bsdf for MetalRough {
         if !(wo.z > MIN_COS) {
             return None;
         }
-        let p_specular = self.specular_probability(wo.z);
+        let view = self.view(wo);
+        let p_specular = view.p_specular;
         let specular = uc < p_specular;
         if specular && self.mirror {
+            if !wo.is_finite() {
+                return None;
+            }
             let weight = self.fresnel(schlick_weight(wo.z)) * (1.0 / p_specular);
             return Some(BsdfSample {
                 wi: mirror(wo),
@@ -185,10 +271,10 @@ impl Bsdf for MetalRough {
             });
         }
         let wi = if specular { self.ggx.sample_reflection(wo, u) } else { cosine_hemisphere(u) };
-        if !(wi.z > MIN_COS) {
+        if !(wi.z > MIN_COS && wi.is_finite()) {
             return None;
         }
-        let e = self.eval_above(wo, wi);
+        let e = self.eval_above(view, wo, wi);
         if !(e.pdf > 0.0 && e.pdf < f32::INFINITY) {
             return None;
         }
@@ -210,7 +296,8 @@ impl Bsdf for MetalRough {
         if !(wo.z > MIN_COS) {
             return Spectrum::ZERO;
         }
-        self.diffuse * (PI * self.through) + self.fresnel(schlick_weight(wo.z))
+        let albedo = self.row.directional(wo.z);
+        self.diffuse * (PI * self.through(albedo.w)) + self.fresnel(albedo.w) * albedo.e
     }
 
     fn deltas(&self, wo: Vec3A) -> [Option<DeltaPart>; 2] {
@@ -220,7 +307,7 @@ impl Bsdf for MetalRough {
         let part = DeltaPart {
             wi: mirror(wo),
             reflectance: self.fresnel(schlick_weight(wo.z)),
-            probability: self.specular_probability(wo.z),
+            probability: self.view(wo).p_specular,
         };
         [Some(part), None]
     }

@@ -1,0 +1,76 @@
+//! Nanoseconds per call of the verbs that a path tracer asks at each hit; for people, never a test.
+//!
+//! `cargo run --release -p etendue-bxdf --example speed`
+
+use etendue_bxdf::{
+    Bsdf, MetalRough, MetalRoughParams,
+    laws::Rng,
+    math::sin_cos_tau,
+    sampling::{cosine_hemisphere, uniform_hemisphere},
+};
+use etendue_color::Spectrum;
+use glam::Vec3A;
+use std::{hint::black_box, time::Instant};
+
+const N: usize = 4096;
+
+/// Best of some runs over `N` inputs: what the code costs when nothing else runs.
+fn time(name: &str, mut f: impl FnMut(usize) -> f32) {
+    let mut best = f64::INFINITY;
+    for _ in 0..60 {
+        let start = Instant::now();
+        let mut sum = 0.0;
+        for i in 0..N {
+            sum += f(i);
+        }
+        black_box(sum);
+        best = best.min(start.elapsed().as_secs_f64() / N as f64);
+    }
+    println!("{name:40} {:7.1} ns", best * 1e9);
+}
+
+fn main() {
+    let mut rng = Rng::new(1);
+    let wo: Vec<Vec3A> = (0..N).map(|_| uniform_hemisphere(rng.square())).collect();
+    let wi: Vec<Vec3A> = (0..N).map(|_| uniform_hemisphere(rng.square())).collect();
+    let u: Vec<[f32; 3]> = (0..N).map(|_| [rng.uniform(), rng.uniform(), rng.uniform()]).collect();
+    for (name, metallic) in [("dielectric", 0.0), ("half metal", 0.5), ("metal", 1.0)] {
+        let params: Vec<MetalRoughParams> = (0..N)
+            .map(|_| MetalRoughParams {
+                base_color: Spectrum::rgb(rng.uniform(), rng.uniform(), rng.uniform()),
+                metallic,
+                roughness: rng.uniform(),
+                specular_color: Spectrum::rgb(1.0, 1.0, 1.0),
+                ..Default::default()
+            })
+            .collect();
+        let closures: Vec<MetalRough> = params.iter().map(MetalRough::new).collect();
+        time(&format!("{name}: new"), |i| {
+            black_box(MetalRough::new(black_box(&params[i])));
+            0.0
+        });
+        time(&format!("{name}: eval_pdf"), |i| {
+            let e = closures[i].eval_pdf(wo[i], wi[i]);
+            e.diffuse[0] + e.specular[1] + e.pdf
+        });
+        time(&format!("{name}: sample"), |i| {
+            closures[i].sample(wo[i], u[i][0], [u[i][1], u[i][2]]).map_or(0.0, |s| s.weight[0] + s.pdf)
+        });
+        time(&format!("{name}: new + 2 eval_pdf + sample"), |i| {
+            let m = MetalRough::new(&params[i]);
+            let a = m.eval_pdf(wo[i], wi[i]);
+            let b = m.eval_pdf(wo[i], wi[(i + 1) % N]);
+            let s = m.sample(wo[i], u[i][0], [u[i][1], u[i][2]]).map_or(0.0, |s| s.weight[0] + s.pdf);
+            a.diffuse[0] + a.specular[1] + a.pdf + b.diffuse[0] + b.specular[1] + b.pdf + s
+        });
+    }
+    time("sin_cos_tau", |i| {
+        let (s, c) = sin_cos_tau(u[i][0]);
+        s + c
+    });
+    time("std sin_cos", |i| {
+        let (s, c) = (u[i][0] * core::f32::consts::TAU).sin_cos();
+        s + c
+    });
+    time("cosine_hemisphere", |i| cosine_hemisphere([u[i][0], u[i][1]]).z);
+}

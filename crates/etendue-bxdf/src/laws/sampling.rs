@@ -1,0 +1,68 @@
+//! Each sample is what `eval` and `pdf` say of it, and `pdf` integrates to what `sample` returns.
+
+use super::Rng;
+use crate::{bsdf::Bsdf, quadrature::pdf_integral};
+use glam::Vec3A;
+
+/// What was measured over many samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Samples {
+    /// Largest |weight − eval · cos / pdf| relative to the weight.
+    pub weight_error: f64,
+    /// Largest |sample's pdf − pdf(wo, wi)| relative to the larger.
+    pub pdf_error: f64,
+    /// Largest |weight − (weight_diffuse + weight_specular)|.
+    pub split_error: f64,
+    /// Largest | |wi| − 1 |.
+    pub length_error: f64,
+    /// Largest lane of a weight.
+    pub largest_weight: f64,
+    /// True if anything was not finite, negative, or below the horizon.
+    pub broken: bool,
+    /// Part of the samples that are neither `None` nor perfectly specular.
+    pub continuous: f64,
+    /// ∫ pdf, which `continuous` estimates.
+    pub pdf_integral: f64,
+    /// Standard deviations between the two.
+    pub z: f64,
+}
+
+/// Draws `samples` directions and compares each with `eval` and `pdf`.
+pub fn samples<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A, samples: usize, seed: u64) -> Samples {
+    let mut out = Samples::default();
+    let mut rng = Rng::new(seed);
+    let mut continuous = 0usize;
+    for _ in 0..samples {
+        let Some(s) = bsdf.sample(wo, rng.uniform(), rng.square()) else { continue };
+        out.broken |= !s.weight.is_finite() || s.weight.0.iter().any(|&v| v < 0.0) || !(s.pdf > 0.0);
+        out.broken |= !s.pdf.is_finite() || !(s.wi.z > 0.0);
+        out.length_error = out.length_error.max((s.wi.as_dvec3().length() - 1.0).abs());
+        out.largest_weight = out.largest_weight.max(s.weight.max_element() as f64);
+        let split = s.weight - (s.weight_diffuse + s.weight_specular);
+        out.split_error = out.split_error.max(split.map(f32::abs).max_element() as f64);
+        if s.delta {
+            continue;
+        }
+        continuous += 1;
+        let e = bsdf.eval_pdf(wo, s.wi);
+        out.pdf_error = out.pdf_error.max(relative(s.pdf, e.pdf));
+        let value = e.value();
+        for lane in 0..4 {
+            out.weight_error = out.weight_error.max(relative(s.weight[lane], value[lane] * s.wi.z / e.pdf));
+        }
+    }
+    let n = samples.max(1) as f64;
+    out.continuous = continuous as f64 / n;
+    out.pdf_integral = pdf_integral(bsdf, wo);
+    let p = out.pdf_integral.clamp(0.0, 1.0);
+    // The quadrature's own error is let in as 1e-5.
+    let sigma = (p * (1.0 - p) / n).sqrt() + 1e-5;
+    out.z = (out.continuous - out.pdf_integral).abs() / sigma;
+    out
+}
+
+/// |a − b| relative to the larger; zero for two zeros.
+fn relative(a: f32, b: f32) -> f64 {
+    let larger = a.abs().max(b.abs()) as f64;
+    if larger == 0.0 { 0.0 } else { ((a as f64) - (b as f64)).abs() / larger }
+}
