@@ -254,7 +254,8 @@ impl Bsdf for MetalRough {
         }
         let view = self.view(wo);
         let p_specular = view.p_specular;
-        let specular = uc < p_specular;
+        // A `uc` below its range must not pick a lobe of probability zero.
+        let specular = uc.max(0.0) < p_specular;
         if specular && self.mirror {
             if !wo.is_finite() {
                 return None;
