@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use etendue_color::{Matrix3, Primaries, REC709, matrix_apply, rgb_to_rgb, srgb_decode, srgb8_decode};
+use etendue_color::{
+    Matrix3, Primaries, REC709, bradford, matrix_apply, matrix_mul, rgb_to_xyz, srgb_decode, srgb8_decode,
+    xyz_to_rgb,
+};
 use exr::meta::attribute::EnvironmentMap;
 use exr::meta::header::Header;
 
@@ -243,7 +246,19 @@ fn color_matrix(header: &Header) -> Option<(Matrix3, String)> {
         return None;
     }
     let name = format!("chromaticities R {:?} G {:?} B {:?} W {:?}", c.red, c.green, c.blue, c.white);
-    match rgb_to_rgb(&from, &REC709) {
+    // Channels that are CIE XYZ itself carry no white of their own: no adaptation. Otherwise white stays white, the
+    // file's adopted neutral being its white where it names one.
+    let is_xyz = near(from.red, [1.0, 0.0]) && near(from.green, [0.0, 1.0]) && near(from.blue, [0.0, 0.0]);
+    let neutral = header.own_attributes.adopted_neutral.map_or(from.white, xy);
+    let matrix = if is_xyz {
+        xyz_to_rgb(&REC709)
+    } else {
+        rgb_to_xyz(&from)
+            .zip(bradford(neutral, REC709.white))
+            .zip(xyz_to_rgb(&REC709))
+            .map(|((a, b), c)| matrix_mul(&c, &matrix_mul(&b, &a)))
+    };
+    match matrix {
         Some(m) => Some((m, format!("converted to Rec.709 from {name}"))),
         None => {
             Some(([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], format!("ignored degenerate {name}")))

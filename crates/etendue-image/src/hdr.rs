@@ -145,7 +145,15 @@ fn parse_header(bytes: &[u8], at: &mut usize) -> Result<Header, ImageError> {
                 };
                 correction = [correction[0] * r, correction[1] * g, correction[2] * b];
             }
-            "PRIMARIES" => notes.push(format!("PRIMARIES={value:.80} ignored: taken as Rec.709")),
+            "PRIMARIES" => {
+                // Some programs write zeros for "not known".
+                let v: Vec<f64> = value.split_whitespace().filter_map(|s| s.parse().ok()).collect();
+                let rec709 = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290];
+                let same = v.len() == 8 && v.iter().zip(rec709).all(|(a, b)| (a - b).abs() < 2e-3);
+                if !same && v.iter().any(|v| *v != 0.0) {
+                    notes.push(format!("PRIMARIES={value:.80} ignored: taken as Rec.709"));
+                }
+            }
             _ => {}
         }
     }

@@ -5,6 +5,7 @@
 //! - [`read_environment`]: Radiance HDR, OpenEXR → linear light without a pixel that is not finite.
 //! - [`write_picture`], [`write_layers_exr`]: light → files, atomically, with [`Metadata`].
 //! - [`develop`]: exposure, tone curve, encoding.
+//! - [`rmse`], [`rel_mse`], [`psnr`], [`ldr_flip`], [`hdr_flip`]: how far a picture is from its reference.
 #![forbid(unsafe_code)]
 
 mod atomic;
@@ -17,6 +18,7 @@ mod exr_read;
 mod exr_write;
 mod hdr;
 mod metadata;
+mod metrics;
 mod write;
 
 pub use atomic::write_atomic;
@@ -28,4 +30,5 @@ pub use error::ImageError;
 pub use exr_read::read_exr_layers;
 pub use exr_write::{ChannelData, ExrImage, Layer, write_layers_exr};
 pub use metadata::Metadata;
+pub use metrics::{DEFAULT_PPD, Flip, hdr_flip, ldr_flip, psnr, rel_mse, rmse};
 pub use write::{PictureFormat, WriteOptions, encode_picture, write_picture};
