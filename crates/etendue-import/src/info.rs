@@ -174,7 +174,7 @@ pub struct CameraInfo {
 pub struct LightInfo {
     /// Its name.
     pub name: String,
-    /// `directional`, `point` or `spot`.
+    /// `directional`, `point`, `spot` or `unknown`.
     pub kind: &'static str,
     /// Candela, or lux for directional lights.
     pub intensity: f64,
@@ -352,6 +352,7 @@ fn camera(c: &crate::document::Camera<'_>) -> CameraInfo {
 
 fn light(l: &crate::document::Light<'_>) -> LightInfo {
     let kind = match l.shape {
+        LightShape::Unknown => "unknown",
         LightShape::Directional => "directional",
         LightShape::Point => "point",
         LightShape::Spot { .. } => "spot",

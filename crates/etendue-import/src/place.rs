@@ -76,6 +76,7 @@ pub(crate) fn light(
         warnings.add(pointer, "negative intensity; taken as 0");
     }
     let kind = match l.shape {
+        LightShape::Unknown => return None,
         LightShape::Directional => LightKind::Directional,
         LightShape::Point => LightKind::Point,
         LightShape::Spot { inner, outer } => {

@@ -157,6 +157,14 @@ pub(crate) fn decode_all(
         .map(|&i| {
             let code = bytes(doc, i, buffers, source)?;
             let limits = DecodeLimits { max_pixels: image_pixels, max_bytes: image_bytes };
+            let format = format_of(&code);
+            if matches!(format, "KTX2" | "DDS") {
+                return Err(Fault::Unsupported {
+                    pointer: format!("/images/{i}"),
+                    what: format!("{format} textures"),
+                    hint: "; export the model with PNG, JPEG or WebP textures".into(),
+                });
+            }
             let image = decode(&code, &limits).map_err(|e| {
                 let d = &doc.images[i as usize];
                 let name = d.uri.map_or_else(|| format!("`{}`", uri::shorten(d.name)), uri::shorten);
@@ -170,7 +178,7 @@ pub(crate) fn decode_all(
                     limit: "image_bytes",
                 });
             }
-            Ok(Decoded { image: Arc::new(image), encoded_bytes: code.len() as u64, format: format_of(&code) })
+            Ok(Decoded { image: Arc::new(image), encoded_bytes: code.len() as u64, format })
         })
         .collect()
 }

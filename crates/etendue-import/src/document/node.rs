@@ -116,6 +116,8 @@ impl<'v> Camera<'v> {
 /// Shape of a punctual light.
 #[derive(Clone, Copy)]
 pub(crate) enum LightShape {
+    /// A type that is not known; named by a warning.
+    Unknown,
     Directional,
     Point,
     Spot { inner: f64, outer: f64 },
@@ -151,7 +153,11 @@ impl<'v> Light<'v> {
                     outer: outer.unwrap_or(std::f64::consts::FRAC_PI_4),
                 }
             }
-            other => return Err(r.fault(format!("`{other}` is no light type"))),
+            // A later version of the extension may add types; the rest of the file stays good.
+            _ => {
+                r.warn("a light of an unknown type; left out");
+                LightShape::Unknown
+            }
         };
         Ok(Self {
             name: name(r, o),
