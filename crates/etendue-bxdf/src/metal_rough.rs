@@ -200,7 +200,9 @@ impl MetalRough {
         };
         let specular = (self.sum_f0 + (self.sum_f90 - self.sum_f0) * albedo.w) * albedo.e;
         let all = specular + self.sum_diffuse * through;
-        View { p_specular: if all > 0.0 { specular / all } else { 1.0 }, through }
+        let p = if all > 0.0 { specular / all } else { 1.0 };
+        // A part of less than a millionth is never picked: one over its probability could leave f32.
+        View { p_specular: if p < 1e-6 { 0.0 } else { p }, through }
     }
 
     /// The diffuse part's factor at a pair of directions; `w` is Schlick's weight at their half vector.
