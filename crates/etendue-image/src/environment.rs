@@ -1,5 +1,6 @@
 //! Skies: pictures of all directions, read so that no pixel can spoil a render.
 
+use std::io::Read;
 use std::path::Path;
 
 use etendue_color::{
@@ -30,8 +31,12 @@ pub struct Environment {
 /// # Errors
 /// Those of [`decode_environment`] and of the operating system, naming the file.
 pub fn read_environment(path: &Path) -> Result<Environment, ImageError> {
-    let bytes = std::fs::read(path).map_err(|e| ImageError::from(e).in_file(path))?;
-    decode_environment(&bytes, &DecodeLimits::default()).map_err(|e| e.in_file(path))
+    let limits = DecodeLimits::default();
+    let mut bytes = Vec::new();
+    // Bounded, because a path may name a device that never ends.
+    let read = std::fs::File::open(path).and_then(|f| f.take(limits.max_bytes).read_to_end(&mut bytes));
+    read.map_err(|e| ImageError::from(e).in_file(path))?;
+    decode_environment(&bytes, &limits).map_err(|e| e.in_file(path))
 }
 
 /// Decodes a sky, the format being told by the first bytes.
@@ -172,9 +177,12 @@ fn decode_exr(bytes: &[u8], limits: &DecodeLimits) -> Result<(Image, Vec<String>
     let data_pixels = header.layer_size.width() as u64 * header.layer_size.height() as u64;
     let size = (width as u64, height as u64);
     let pixels = size.0.saturating_mul(size.1);
-    // The frame around a small picture is free in the file, so it is bounded by the picture.
-    let frame = usize::try_from(data_pixels.max(1 << 16)).unwrap_or(usize::MAX);
-    limits.check(EXR, size, pixels.saturating_mul(12), frame, 12 * 64)?;
+    limits.check(EXR, size, pixels.saturating_mul(12), usize::MAX, 1)?;
+    // The frame around a small picture costs the file nothing, so the picture bounds it.
+    if pixels > data_pixels.saturating_mul(64).max(1 << 22) {
+        let cause = format!("the display window is far larger than the data window of {}", pair(header));
+        return Err(ImageError::TooLarge { format: EXR, width: size.0, height: size.1, cause });
+    }
 
     let mut notes = Vec::new();
     if meta.headers.len() > 1 || !layer.is_empty() {
