@@ -16,7 +16,10 @@ fn corner(data: &(impl Bytes + ?Sized), component: u32, normalized: bool) -> Vec
 
 #[test]
 fn component_types_of_positions() {
-    assert_eq!(corner(&[1.5f32, -2.0, 3e5, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0], F32, false), Vec3::new(1.5, -2.0, 3e5));
+    assert_eq!(
+        corner(&[1.5f32, -2.0, 3e5, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0], F32, false),
+        Vec3::new(1.5, -2.0, 3e5)
+    );
     assert_eq!(corner(&[1i8, -2, 127, 0, 0, 0, 1, 1, 1], I8, false), Vec3::new(1.0, -2.0, 127.0));
     assert_eq!(corner(&[1u8, 2, 255, 0, 0, 0, 1, 1, 1], U8, false), Vec3::new(1.0, 2.0, 255.0));
     assert_eq!(corner(&[1i16, -2, 32767, 0, 0, 0, 1, 1, 1], I16, false), Vec3::new(1.0, -2.0, 32767.0));
@@ -34,7 +37,9 @@ fn normalised_integers() {
 
 #[test]
 fn index_types() {
-    for (component, bytes) in [(U8, [2u8, 1, 0].bytes()), (U16, [2u16, 1, 0].bytes()), (U32, [2u32, 1, 0].bytes())] {
+    for (component, bytes) in
+        [(U8, [2u8, 1, 0].bytes()), (U16, [2u16, 1, 0].bytes()), (U32, [2u32, 1, 0].bytes())]
+    {
         let mut m = Model::new();
         let i = m.accessor(&bytes[..], component, "SCALAR", 3);
         let mesh = m.triangle(json!({}));
@@ -45,7 +50,11 @@ fn index_types() {
     let i = m.floats(&[0.0, 1.0, 2.0], "SCALAR");
     let mesh = m.triangle(json!({}));
     m.json["meshes"][mesh as usize]["primitives"][0]["indices"] = json!(i);
-    assert!(m.error().contains("/meshes/0/primitives/0/indices: indices are unsigned integers"), "{}", m.error());
+    assert!(
+        m.error().contains("/meshes/0/primitives/0/indices: indices are unsigned integers"),
+        "{}",
+        m.error()
+    );
 }
 
 #[test]
@@ -53,12 +62,7 @@ fn interleaved_attributes() {
     let mut m = Model::new();
     // Position and texture coordinates, 20 bytes a vertex; the last vertex ends where the buffer ends.
     let v = m.view(
-        &[
-            [0.0f32, 0.0, 0.0, 0.1, 0.2],
-            [1.0, 0.0, 0.0, 0.3, 0.4],
-            [0.0, 1.0, 0.0, 0.5, 0.6],
-        ]
-        .concat()[..]
+        &[[0.0f32, 0.0, 0.0, 0.1, 0.2], [1.0, 0.0, 0.0, 0.3, 0.4], [0.0, 1.0, 0.0, 0.5, 0.6]].concat()[..]
             .bytes(),
     );
     m.json["bufferViews"][v as usize]["byteStride"] = json!(20);
@@ -148,7 +152,10 @@ fn vertex_colours() {
     };
     assert_eq!(color(&[255u8, 51, 0, 0, 0, 0, 0, 0, 0], U8, "VEC3"), Vec4::new(1.0, 0.2, 0.0, 1.0));
     assert_eq!(color(&[255u8, 51, 0, 51, 0, 0, 0, 0, 0, 0, 0, 0], U8, "VEC4"), Vec4::new(1.0, 0.2, 0.0, 0.2));
-    assert_eq!(color(&[65535u16, 13107, 0, 0, 0, 0, 0, 0, 0].bytes(), U16, "VEC3"), Vec4::new(1.0, 0.2, 0.0, 1.0));
+    assert_eq!(
+        color(&[65535u16, 13107, 0, 0, 0, 0, 0, 0, 0].bytes(), U16, "VEC3"),
+        Vec4::new(1.0, 0.2, 0.0, 1.0)
+    );
     assert_eq!(color(&[0.5f32; 12].bytes(), F32, "VEC4"), Vec4::splat(0.5));
 }
 
@@ -167,8 +174,14 @@ fn data_that_are_not_there() {
         (|m| m.json["bufferViews"][0]["byteLength"] = json!(37), "/bufferViews/0: 37 bytes from byte 0"),
         (|m| m.json["bufferViews"][0]["byteOffset"] = json!(u64::MAX), "/bufferViews/0: 36 bytes"),
         (|m| m.json["bufferViews"][0]["byteStride"] = json!(4), "a stride of 4 bytes for elements of 12"),
-        (|m| m.json["buffers"] = json!([{"byteLength": 1000}]), "/buffers/0/byteLength: 1000 bytes announced"),
-        (|m| m.json["accessors"][0]["bufferView"] = json!(5), "/accessors/0/bufferView: buffer view 5 does not exist"),
+        (
+            |m| m.json["buffers"] = json!([{"byteLength": 1000}]),
+            "/buffers/0/byteLength: 1000 bytes announced",
+        ),
+        (
+            |m| m.json["accessors"][0]["bufferView"] = json!(5),
+            "/accessors/0/bufferView: buffer view 5 does not exist",
+        ),
     ];
     for (change, expected) in checks {
         let e = broken(change);

@@ -99,15 +99,22 @@ fn what_is_not_finite_never_gets_in() {
         &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, n, 0.0, 0.0, 1.0, f32::INFINITY, 0.0, 0.0, 0.0, 1.0],
         "VEC3",
     );
-    let normals = m.floats(&[n, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 4.0, 0., 0., 1., 0., 0., 1., 0., 0., 1.], "VEC3");
+    let normals =
+        m.floats(&[n, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 4.0, 0., 0., 1., 0., 0., 1., 0., 0., 1.], "VEC3");
     let uv = m.floats(&[n, 0.0, 0.5, 0.5, 0.25, f32::NEG_INFINITY, 0., 0., 0., 0., 0., 0.], "VEC2");
-    let c = m.floats(&[n, 0.0, 0.0, 2.0, -1.0, 0.5, 0.1, 0.2, 0.3, 0., 0., 0., 0., 0., 0., 0., 0., 0.], "VEC3");
-    let mesh = m.mesh(json!({"attributes": {"POSITION": p, "NORMAL": normals, "TEXCOORD_0": uv, "COLOR_0": c}}));
+    let c =
+        m.floats(&[n, 0.0, 0.0, 2.0, -1.0, 0.5, 0.1, 0.2, 0.3, 0., 0., 0., 0., 0., 0., 0., 0., 0.], "VEC3");
+    let mesh =
+        m.mesh(json!({"attributes": {"POSITION": p, "NORMAL": normals, "TEXCOORD_0": uv, "COLOR_0": c}}));
     m.node(json!({"mesh": mesh}));
     let i = m.import();
     let mesh = &i.scene.meshes[0];
     assert_eq!(mesh.positions, [Vec3::ZERO, Vec3::X, Vec3::Y]);
-    assert_eq!(mesh.normals, [Vec3::Z, Vec3::Z, Vec3::Z], "two replaced by the face's, one made a unit vector");
+    assert_eq!(
+        mesh.normals,
+        [Vec3::Z, Vec3::Z, Vec3::Z],
+        "two replaced by the face's, one made a unit vector"
+    );
     assert_eq!(mesh.uvs[0], [Vec2::ZERO, Vec2::splat(0.5), Vec2::ZERO]);
     assert_eq!(mesh.colors, [Vec4::ONE, Vec4::new(1.0, 0.0, 0.5, 1.0), Vec4::new(0.1, 0.2, 0.3, 1.0)]);
     for text in [
@@ -164,11 +171,17 @@ fn tangent(m: &Model) -> Vec4 {
 fn generated_tangents_follow_u_and_the_picture_up() {
     let plain = json!({"index": 0});
     // v points down the picture: with v = 1 − y the picture stands upright, and its up is +Y = cross(Z, X) · 1.
-    assert_eq!(tangent(&normal_mapped(|x, y| [x, 1.0 - y], true, plain.clone())), Vec4::new(1.0, 0.0, 0.0, 1.0));
+    assert_eq!(
+        tangent(&normal_mapped(|x, y| [x, 1.0 - y], true, plain.clone())),
+        Vec4::new(1.0, 0.0, 0.0, 1.0)
+    );
     // Upside down: up is −Y, so the sign turns over.
     assert_eq!(tangent(&normal_mapped(|x, y| [x, y], true, plain.clone())), Vec4::new(1.0, 0.0, 0.0, -1.0));
     // Mirrored and turned.
-    assert_eq!(tangent(&normal_mapped(|x, y| [1.0 - x, 1.0 - y], true, plain.clone())), Vec4::new(-1.0, 0.0, 0.0, -1.0));
+    assert_eq!(
+        tangent(&normal_mapped(|x, y| [1.0 - x, 1.0 - y], true, plain.clone())),
+        Vec4::new(-1.0, 0.0, 0.0, -1.0)
+    );
     assert_eq!(tangent(&normal_mapped(|x, y| [y, x], true, plain)), Vec4::new(0.0, 1.0, 0.0, 1.0));
 }
 

@@ -120,7 +120,10 @@ pub(crate) enum LightShape {
     Unknown,
     Directional,
     Point,
-    Spot { inner: f64, outer: f64 },
+    Spot {
+        inner: f64,
+        outer: f64,
+    },
 }
 
 /// A light of `KHR_lights_punctual`, without a place.

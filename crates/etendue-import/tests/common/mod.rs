@@ -62,7 +62,13 @@ impl Model {
     }
 
     /// Appends an accessor over its own view.
-    pub fn accessor(&mut self, data: &(impl Bytes + ?Sized), component: u32, shape: &str, count: usize) -> u32 {
+    pub fn accessor(
+        &mut self,
+        data: &(impl Bytes + ?Sized),
+        component: u32,
+        shape: &str,
+        count: usize,
+    ) -> u32 {
         let view = self.view(&data.bytes());
         self.push(
             "accessors",
@@ -167,7 +173,10 @@ pub fn warned(i: &Imported, text: &str) -> bool {
 /// A `data:` URI.
 pub fn data_uri(bytes: &[u8]) -> String {
     use base64::Engine as _;
-    format!("data:application/octet-stream;base64,{}", base64::engine::general_purpose::STANDARD.encode(bytes))
+    format!(
+        "data:application/octet-stream;base64,{}",
+        base64::engine::general_purpose::STANDARD.encode(bytes)
+    )
 }
 
 /// Two by one pixels, red and blue.
@@ -187,7 +196,8 @@ pub fn png() -> Vec<u8> {
         b = (b + a) % 65521;
     }
     let n = rgb.len() as u16;
-    let stored = [&[0x78, 1, 1][..], &n.to_le_bytes(), &(!n).to_le_bytes(), &rgb, &(b << 16 | a).to_be_bytes()];
+    let stored =
+        [&[0x78, 1, 1][..], &n.to_le_bytes(), &(!n).to_le_bytes(), &rgb, &(b << 16 | a).to_be_bytes()];
     chunk(b"IDAT", &stored.concat());
     chunk(b"IEND", &[]);
     out
