@@ -25,7 +25,7 @@ pub enum Kernel {
     /// SSE2: every x86-64.
     #[cfg(target_arch = "x86_64")]
     Sse2,
-    /// AVX2: x86-64 where the processor has it.
+    /// AVX2 and FMA: x86-64 where the processor has it.
     #[cfg(target_arch = "x86_64")]
     Avx2,
 }
@@ -37,6 +37,7 @@ impl Kernel {
         #[cfg(target_arch = "x86_64")]
         {
             if is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("fma")
                 && is_x86_feature_detected!("bmi1")
                 && is_x86_feature_detected!("bmi2")
                 && is_x86_feature_detected!("lzcnt")
@@ -228,13 +229,13 @@ impl Accel {
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn closest_avx2(&self, ray: &Ray, accept: &impl Fn(u32, u32, f32, f32) -> bool) -> Option<Hit> {
         self.closest_with::<Avx2>(ray, accept)
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn any_avx2(&self, ray: &Ray, accept: &impl Fn(u32, u32, f32, f32) -> bool) -> bool {
         self.any_with::<Avx2>(ray, accept)
     }
@@ -264,7 +265,8 @@ impl Accel {
     ) -> Option<Best> {
         let prepared = Prepared::new(ray, &self.world.bounds, &self.slack)?;
         let best = Best { t: ray.t_max, u: 0.0, v: 0.0, key: NONE };
-        let mut query = Query::<_, ANY> { accel: self, ray, prepared, accept, best };
+        let mut query =
+            Query::<_, ANY> { accel: self, packets: &self.world.packets, ray, prepared, accept, best };
         walk::<S, ANY>(&self.world, &prepared, ray.t_max, &mut query);
         Some(query.best)
     }

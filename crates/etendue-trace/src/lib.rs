@@ -2,8 +2,10 @@
 
 mod accel;
 mod build;
+mod emit;
 mod instance;
 mod lanes;
+mod pages;
 mod query;
 mod ray;
 #[cfg(test)]

@@ -73,6 +73,7 @@ impl Tag for u32 {
 /// A search in the world's tree.
 pub(crate) struct Query<'a, F, const ANY: bool> {
     pub accel: &'a Accel,
+    pub packets: &'a [Packet],
     pub ray: &'a Ray,
     pub prepared: Prepared,
     pub accept: &'a F,
@@ -83,7 +84,7 @@ impl<F: Fn(u32, u32, f32, f32) -> bool, const ANY: bool> Visitor for Query<'_, F
     #[inline(always)]
     fn visit<S: Lanes>(&mut self, child: Child, t_max: &mut f32) -> bool {
         let done = if child & KIND == LEAF {
-            let packet = &self.accel.world.packets[index(child)];
+            let packet = &self.packets[index(child)];
             self.best.test::<S, ANY>(packet, &self.prepared, OwnTag, self.accept)
         } else {
             self.enter::<S>(&self.accel.placements[index(child)])

@@ -19,7 +19,7 @@ const DISTANCE_ROUNDINGS: f32 = 4.0;
 /// lengths. A negative or NaN `t_min` counts as 0: nothing behind the origin is hit. `t_max` may be infinite.
 ///
 /// A ray hits nothing if a component of its origin or direction is NaN or infinite, if its direction's largest
-/// component is below 1e-30 or above 1e30 in size, or if `t_max` is NaN or not above `t_min`.
+/// component is below 1e-18 or above 1e18 in size, or if `t_max` is NaN or not above `t_min`.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
     /// Where `t` is 0, metres.
@@ -84,7 +84,7 @@ pub(crate) struct Prepared {
     pub sign: [usize; 3],
     /// Reciprocal direction, always finite.
     pub inverse: [f32; 3],
-    /// The origin moved back (for entry planes) and forth (for exit planes) by the error bound.
+    /// The origin, moved forth (for entry planes) and back (for exit planes) by the error bound, times `inverse`.
     pub near: [f32; 3],
     pub far: [f32; 3],
     /// Axis of the direction's largest component, and the two others in the order that keeps the winding.
@@ -108,7 +108,7 @@ impl Prepared {
         let a = d.abs();
         let t_min = if ray.t_min > 0.0 { ray.t_min } else { 0.0 };
         let largest = a.max_element();
-        let valid = o.is_finite() & d.is_finite() & (1e-30..=1e30).contains(&largest) & (ray.t_max > t_min);
+        let valid = o.is_finite() & d.is_finite() & (1e-18..=1e18).contains(&largest) & (ray.t_max > t_min);
         if !valid {
             return None;
         }
@@ -116,7 +116,7 @@ impl Prepared {
         let reach = (bounds.min - o).abs().max((bounds.max - o).abs()).max(o.abs()).max_element();
         let pad = (reach + slack.amplification * (reach - slack.covered).max(0.0)) * (BOX_ROUNDINGS * UNIT);
         // A component that is (almost) zero is replaced by one that moves the ray by far less than `pad`.
-        let tiny = largest * 1e-18;
+        let tiny = largest * 1e-12;
         let nonzero = Vec3A::select(a.cmplt(Vec3A::splat(tiny)), Vec3A::splat(tiny).copysign(d), d);
         let inverse = nonzero.recip();
         let back = Vec3A::splat(pad).copysign(inverse);
@@ -136,8 +136,8 @@ impl Prepared {
             origin: o.to_array(),
             sign: inverse.to_array().map(|x| (x < 0.0) as usize),
             inverse: inverse.to_array(),
-            near: (o + back).to_array(),
-            far: (o - back).to_array(),
+            near: ((o + back) * inverse).to_array(),
+            far: ((o - back) * inverse).to_array(),
             kz,
             kx,
             ky,

@@ -2,7 +2,7 @@
 
 use crate::lanes::{F32x8, Lanes};
 use crate::ray::Prepared;
-use crate::wide::{Child, INDEX, KIND, Tree};
+use crate::wide::{Child, INDEX, KIND, Node, Tree};
 use std::mem::MaybeUninit;
 
 /// Entries of the traversal stack; [`crate::Accel::build`] checks that no tree needs more.
@@ -75,10 +75,10 @@ pub(crate) trait Visitor {
     fn visit<S: Lanes>(&mut self, child: Child, t_max: &mut f32) -> bool;
 }
 
-/// Entry distance along one axis.
+/// Where the ray meets planes across one axis. `origin` is already multiplied by `inverse`.
 #[inline(always)]
-fn slab<S: Lanes>(plane: &F32x8, origin: S, inverse: S) -> S {
-    S::load(plane).sub(origin).mul(inverse)
+fn slab<S: Lanes>(plane: &F32x8, inverse: S, origin: S) -> S {
+    S::load(plane).loose_mul_sub(inverse, origin)
 }
 
 /// Visits the leaves and instances whose boxes the ray meets: near ones first for closest-hit, promising ones first
@@ -90,7 +90,8 @@ pub(crate) fn walk<S: Lanes, const ANY: bool>(
     mut t_max: f32,
     visitor: &mut impl Visitor,
 ) {
-    if tree.nodes.is_empty() {
+    let nodes: &[Node] = &tree.nodes;
+    if nodes.is_empty() {
         return;
     }
     let inverse = [S::splat(ray.inverse[0]), S::splat(ray.inverse[1]), S::splat(ray.inverse[2])];
@@ -103,15 +104,15 @@ pub(crate) fn walk<S: Lanes, const ANY: bool>(
     loop {
         // Down, as long as there is a node.
         while current & KIND == 0 {
-            let node = &tree.nodes[current as usize];
+            let node = &nodes[current as usize];
             let (x, y, z) = (&node.bounds[0], &node.bounds[1], &node.bounds[2]);
             let [i, j, k] = [sign[0] & 1, sign[1] & 1, sign[2] & 1];
-            let first = slab(&x[i], near[0], inverse[0])
-                .max(slab(&y[j], near[1], inverse[1]))
-                .max(slab(&z[k], near[2], inverse[2]).max(t_min));
-            let last = slab(&x[i ^ 1], far[0], inverse[0])
-                .min(slab(&y[j ^ 1], far[1], inverse[1]))
-                .min(slab(&z[k ^ 1], far[2], inverse[2]).min(S::splat(t_max)));
+            let first = slab(&x[i], inverse[0], near[0])
+                .max(slab(&y[j], inverse[1], near[1]))
+                .max(slab(&z[k], inverse[2], near[2]).max(t_min));
+            let last = slab(&x[i ^ 1], inverse[0], far[0])
+                .min(slab(&y[j ^ 1], inverse[1], far[1]))
+                .min(slab(&z[k ^ 1], inverse[2], far[2]).min(S::splat(t_max)));
             let mut lanes = first.le(last).signs();
             if lanes == 0 {
                 break;

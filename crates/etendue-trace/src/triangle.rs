@@ -13,18 +13,25 @@ pub(crate) const ALPHA: u32 = 1 << 31;
 
 /// Up to eight triangles, component by component. Unused lanes hold NaN, which no test accepts.
 #[repr(C, align(64))]
-#[derive(Clone)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct Packet {
     /// By vertex, then axis.
     pub vertices: [[F32x8; 3]; 3],
     pub triangle: [u32; 8],
     /// Instance, with [`ALPHA`] where the material has it.
     pub instance: [u32; 8],
+    /// Fills the last cache line.
+    unused: [u32; 8],
 }
 
 impl Packet {
     pub fn empty() -> Self {
-        Self { vertices: [[F32x8([f32::NAN; 8]); 3]; 3], triangle: [!0; 8], instance: [!ALPHA; 8] }
+        Self {
+            vertices: [[F32x8([f32::NAN; 8]); 3]; 3],
+            triangle: [!0; 8],
+            instance: [!ALPHA; 8],
+            unused: [0; 8],
+        }
     }
 
     pub fn set(&mut self, lane: usize, vertices: [[f32; 3]; 3], instance: u32, triangle: u32) {

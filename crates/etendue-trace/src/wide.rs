@@ -5,7 +5,9 @@
 //! section 3.1).
 
 use crate::build::{self, half_area};
+use crate::emit::{Emit, Place, measure};
 use crate::lanes::F32x8;
+use crate::pages::Pages;
 use crate::triangle::Packet;
 use etendue_scene::Bounds;
 use glam::Vec3A;
@@ -27,25 +29,28 @@ pub(crate) const INSTANCE: u32 = 2 << 30;
 
 /// Eight boxes and what is in them. Unused lanes have an inverted infinite box, which no ray meets.
 #[repr(C, align(64))]
-#[derive(Clone)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct Node {
     /// By axis: smallest, then largest.
     pub bounds: [[F32x8; 2]; 3],
     /// Best first for any-hit: by descending half area per primitive.
     pub children: [Child; WIDTH],
+    /// Fills the last cache line.
+    unused: [u32; 8],
 }
 
 impl Node {
-    const EMPTY: Self = Self {
+    pub const EMPTY: Self = Self {
         bounds: [[F32x8([f32::INFINITY; 8]), F32x8([f32::NEG_INFINITY; 8])]; 3],
         children: [LEAF; WIDTH],
+        unused: [0; 8],
     };
 }
 
 /// A tree of triangles and, at the top level, instances.
 pub(crate) struct Tree {
-    pub nodes: Vec<Node>,
-    pub packets: Vec<Packet>,
+    pub nodes: Pages<Node>,
+    pub packets: Pages<Packet>,
     pub bounds: Bounds,
     /// Triangles in it, without those of instances.
     pub triangles: u64,
@@ -61,17 +66,27 @@ pub(crate) enum Primitive {
 
 /// How a subtree is best represented by at most `i` children of one wide node, for i = 1 to 7.
 #[derive(Clone, Copy)]
-struct Plan {
+pub(crate) struct Plan {
     cost: [f32; WIDTH - 1],
     /// Roots given to the left child out of `i + 1` (0: the subtree is one root; 255: the same as with one root less).
-    left: [u8; WIDTH - 1],
+    pub left: [u8; WIDTH - 1],
     /// The same for eight: how the subtree's own node is filled, if it becomes one.
-    own: u8,
-    leaf: bool,
+    pub own: u8,
+    /// As one root, the subtree is a packet or an instance, not a node.
+    pub leaf: bool,
+    /// If the subtree becomes a wide node: how many nodes and packets it and all below it are.
+    pub size: Size,
+}
+
+/// Numbers of nodes and packets.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Size {
+    pub nodes: u32,
+    pub packets: u32,
 }
 
 const ONE: u8 = 0;
-const FEWER: u8 = 255;
+pub(crate) const FEWER: u8 = 255;
 
 impl Tree {
     /// Builds the tree over the boxes `refs`; `primitive` says what their numbers stand for, and numbers from
@@ -83,29 +98,32 @@ impl Tree {
     ) -> Self {
         let binary = build::build(&mut refs);
         drop(refs);
-        let mut tree =
-            Self { nodes: Vec::new(), packets: Vec::new(), bounds: Bounds::EMPTY, triangles: 0, stack: 1 };
+        let mut tree = Self {
+            nodes: Pages::zeroed(0),
+            packets: Pages::zeroed(0),
+            bounds: Bounds::EMPTY,
+            triangles: 0,
+            stack: 1,
+        };
         let Some(root) = binary.first() else { return tree };
         tree.bounds = Bounds { min: root.lo, max: root.hi };
-        let mut plans = vec![Plan { cost: [0.0; 7], left: [0; 7], own: 0, leaf: true }; binary.len()];
+        let unplanned = Plan { cost: [0.0; 7], left: [0; 7], own: 0, leaf: true, size: Size::default() };
+        let mut plans = vec![unplanned; binary.len()];
         plan(&binary, &mut plans, first_instance);
-        let mut emit = Emit { binary: &binary, plans: &plans, first_instance, primitive, tree: &mut tree };
-        if plans[0].leaf {
-            // Traversal starts at a node: give the lone leaf one.
-            let mut node = Node::EMPTY;
-            emit.tree.nodes.push(node.clone());
-            emit.fill(&mut node, 0, 0, 1);
-            emit.tree.nodes[0] = node;
-            emit.tree.stack = WIDTH;
-        } else {
-            emit.node(0, 1);
-        }
+        let mut depth = 1;
+        let size = measure(&binary, &mut plans, first_instance, 0, 1, &mut depth);
+        // Each level leaves at most seven siblings waiting, the last one eight.
+        tree.stack = depth * (WIDTH - 1) + 1;
+        tree.nodes = Pages::zeroed(size.nodes as usize);
+        tree.packets = Pages::zeroed(size.packets as usize);
+        let emit = Emit { binary: &binary, plans: &plans, first_instance, primitive };
+        emit.node(0, Place { nodes: &mut tree.nodes, packets: &mut tree.packets, node: 0, packet: 0 });
         tree
     }
 
     /// Memory that the tree holds.
     pub fn bytes(&self) -> usize {
-        self.nodes.capacity() * size_of::<Node>() + self.packets.capacity() * size_of::<Packet>()
+        self.nodes.bytes() + self.packets.bytes()
     }
 }
 
@@ -115,7 +133,13 @@ fn plan(nodes: &[build::Node], plans: &mut [Plan], first_instance: u32) -> bool 
     let area = half_area(root.lo, root.hi);
     let (own_plan, below) = plans.split_first_mut().expect("as many plans as nodes");
     if root.is_leaf() {
-        *own_plan = Plan { cost: [area * PACKET_COST; 7], left: [FEWER; 7], own: 0, leaf: true };
+        *own_plan = Plan {
+            cost: [area * PACKET_COST; 7],
+            left: [FEWER; 7],
+            own: 0,
+            leaf: true,
+            size: Size::default(),
+        };
         own_plan.left[0] = ONE;
         return root.link >= first_instance;
     }
@@ -132,7 +156,7 @@ fn plan(nodes: &[build::Node], plans: &mut [Plan], first_instance: u32) -> bool 
             plan(&nodes[right..], right_plans, first_instance),
         )
     };
-    let has_instance = a | b;
+    let has_instance = a || b;
     let (l, r) = (&left_plans[0].cost, &right_plans[0].cost);
     // The cheapest way to make `i` roots of the two children's.
     let distribute = |i: usize| {
@@ -151,7 +175,7 @@ fn plan(nodes: &[build::Node], plans: &mut [Plan], first_instance: u32) -> bool 
     // Written so that the leaf is also taken where areas overflow.
     let leaf = fits && (inner >= area * PACKET_COST || inner.is_nan());
     let one = if leaf { area * PACKET_COST } else { inner };
-    let mut p = Plan { cost: [one; 7], left: [FEWER; 7], own, leaf };
+    let mut p = Plan { cost: [one; 7], left: [FEWER; 7], own, leaf, size: Size::default() };
     p.left[0] = ONE;
     for i in 2..WIDTH {
         let (cost, k) = distribute(i);
@@ -163,93 +187,6 @@ fn plan(nodes: &[build::Node], plans: &mut [Plan], first_instance: u32) -> bool 
     }
     *own_plan = p;
     has_instance
-}
-
-/// Writes a planned tree out, depth first.
-struct Emit<'a, P> {
-    binary: &'a [build::Node],
-    plans: &'a [Plan],
-    first_instance: u32,
-    primitive: &'a P,
-    tree: &'a mut Tree,
-}
-
-impl<P: Fn(u32) -> Primitive> Emit<'_, P> {
-    /// Emits the subtree at binary node `at` as a wide node `depth` levels down, and returns its index.
-    fn node(&mut self, at: usize, depth: usize) -> u32 {
-        // Each level leaves at most seven siblings waiting, the last one eight.
-        self.tree.stack = self.tree.stack.max(depth * (WIDTH - 1) + 1);
-        let mut roots = [0usize; WIDTH];
-        let mut n = 0;
-        let k = self.plans[at].own as usize;
-        self.roots(at + 1, k, &mut roots, &mut n);
-        self.roots(at + self.binary[at].link as usize, WIDTH - k, &mut roots, &mut n);
-        let priority = |&i: &usize| {
-            let b = &self.binary[i];
-            half_area(b.lo, b.hi) / b.count as f32
-        };
-        roots[..n].sort_by(|a, b| priority(b).total_cmp(&priority(a)).then(a.cmp(b)));
-
-        let index = self.tree.nodes.len();
-        self.tree.nodes.push(Node::EMPTY);
-        let mut node = Node::EMPTY;
-        for (lane, &root) in roots[..n].iter().enumerate() {
-            self.fill(&mut node, lane, root, depth + 1);
-        }
-        self.tree.nodes[index] = node;
-        index as u32
-    }
-
-    /// Collects the at most `i` roots that represent the subtree at `at`.
-    fn roots(&self, at: usize, mut i: usize, roots: &mut [usize; WIDTH], n: &mut usize) {
-        while i > 1 && self.plans[at].left[i - 1] == FEWER {
-            i -= 1;
-        }
-        let k = self.plans[at].left[i - 1] as usize;
-        if i == 1 {
-            roots[*n] = at;
-            *n += 1;
-        } else {
-            self.roots(at + 1, k, roots, n);
-            self.roots(at + self.binary[at].link as usize, i - k, roots, n);
-        }
-    }
-
-    /// Makes binary node `at` the child `lane` of `node`.
-    fn fill(&mut self, node: &mut Node, lane: usize, at: usize, depth: usize) {
-        let b = self.binary[at];
-        for axis in 0..3 {
-            node.bounds[axis][0].0[lane] = b.lo[axis];
-            node.bounds[axis][1].0[lane] = b.hi[axis];
-        }
-        node.children[lane] = if !self.plans[at].leaf {
-            self.node(at, depth)
-        } else if b.is_leaf() && b.link >= self.first_instance {
-            let Primitive::Instance(i) = (self.primitive)(b.link) else {
-                unreachable!("numbered as an instance")
-            };
-            INSTANCE | i
-        } else {
-            LEAF | self.packet(at)
-        };
-    }
-
-    /// Emits the triangles below `at` as one packet, in their order of number, and returns its index.
-    fn packet(&mut self, at: usize) -> u32 {
-        let nodes = &self.binary[at..at + 2 * self.binary[at].count as usize - 1];
-        let mut packet = Packet::empty();
-        let mut ids = [u32::MAX; WIDTH];
-        let leaves = nodes.iter().filter(|n| n.is_leaf());
-        let n = leaves.zip(&mut ids).map(|(leaf, id)| *id = leaf.link).count();
-        ids[..n].sort_unstable();
-        for (lane, &id) in ids[..n].iter().enumerate() {
-            if let Primitive::Triangle { vertices, instance, triangle } = (self.primitive)(id) {
-                packet.set(lane, vertices, instance, triangle);
-            }
-        }
-        self.tree.packets.push(packet);
-        (self.tree.packets.len() - 1) as u32
-    }
 }
 
 /// The box around three points.

@@ -47,6 +47,10 @@ impl Lanes for Array {
         self.zip(o, |a, b| a / b)
     }
     #[inline(always)]
+    fn loose_mul_sub(self, factor: Self, o: Self) -> Self {
+        self.mul(factor).sub(o)
+    }
+    #[inline(always)]
     fn min(self, o: Self) -> Self {
         self.zip(o, |a, b| if a < b { a } else { b })
     }

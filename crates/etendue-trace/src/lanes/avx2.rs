@@ -1,4 +1,4 @@
-//! One 256-bit register. Only to be used inside functions that enable AVX2 (see `traverse`).
+//! One 256-bit register. Only to be used inside functions that enable AVX2 and FMA (see `accel`).
 
 use super::{F32x8, Lanes};
 use std::arch::x86_64::*;
@@ -46,6 +46,11 @@ impl Lanes for Avx2 {
         le = _mm256_cmp_ps::<_CMP_LE_OQ>;
         and = _mm256_and_ps;
         or = _mm256_or_ps;
+    }
+    #[inline(always)]
+    fn loose_mul_sub(self, factor: Self, o: Self) -> Self {
+        // SAFETY: the only callers are kernels entered after AVX2 and FMA were detected.
+        Self(unsafe { _mm256_fmsub_ps(self.0, factor.0, o.0) })
     }
     #[inline(always)]
     fn abs(self) -> Self {

@@ -1,7 +1,8 @@
 //! Eight `f32` at a time, in the instruction set at hand.
 //!
-//! Every operation is one IEEE 754 rounding (no fused multiply-add, no approximate reciprocal), and `min`/`max` mean
-//! the same for NaN everywhere, so that a kernel gives the same bits with each implementation.
+//! Every operation but one is one IEEE 754 rounding (no fused multiply-add, no approximate reciprocal), and
+//! `min`/`max` mean the same for NaN everywhere, so that a kernel gives the same bits with each implementation. The
+//! exception, [`Lanes::loose_mul_sub`], is for box tests, which are conservative by more than it can differ.
 
 mod array;
 #[cfg(target_arch = "x86_64")]
@@ -17,7 +18,7 @@ pub(crate) use sse2::Sse2;
 
 /// Eight values, aligned for every implementation.
 #[repr(C, align(32))]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct F32x8(pub [f32; 8]);
 
 /// Eight lanes. A mask is a value whose lanes have all bits set or none.
@@ -29,6 +30,8 @@ pub(crate) trait Lanes: Copy {
     fn sub(self, o: Self) -> Self;
     fn mul(self, o: Self) -> Self;
     fn div(self, o: Self) -> Self;
+    /// `self · factor − o`, with one rounding or two.
+    fn loose_mul_sub(self, factor: Self, o: Self) -> Self;
     /// `self` where it is less, else `o`: `o` if either is NaN.
     fn min(self, o: Self) -> Self;
     /// `self` where it is greater, else `o`: `o` if either is NaN.

@@ -52,6 +52,10 @@ impl Lanes for Sse2 {
         or = _mm_or_ps;
     }
     #[inline(always)]
+    fn loose_mul_sub(self, factor: Self, o: Self) -> Self {
+        self.mul(factor).sub(o)
+    }
+    #[inline(always)]
     fn abs(self) -> Self {
         // SAFETY: SSE2 is part of x86-64.
         unsafe {
