@@ -4,7 +4,8 @@ use std::io::Cursor;
 use std::path::Path;
 
 use etendue_image::{
-    ChannelData, DecodeLimits, Environment, Pixels, decode_environment, read_environment, read_exr_layers,
+    ChannelData, DecodeLimits, Environment, Image, PictureFormat, Pixels, WriteOptions, decode_environment,
+    encode_picture, read_environment, read_exr_layers,
 };
 use exr::prelude as e;
 use exr::prelude::{FlatSamples, IntegerBounds, LayerAttributes, Vec2, WritableImage};
@@ -125,8 +126,9 @@ fn layers_of_several_parts_carry_their_names() {
 
 #[test]
 fn a_claim_beyond_the_bytes_is_refused() {
-    let rgb = ["R", "G", "B"].map(|c| channel(c, ramp(1, 1.0))).to_vec();
-    let bytes = file(window(0, 0, 1, 1), vec![layer("a", (1, 1), (0, 0), e::Encoding::UNCOMPRESSED, rgb)]);
+    let picture = Image { width: 1, height: 1, channels: 3, pixels: Pixels::F32(vec![1.0; 3]) };
+    let mut bytes = Vec::new();
+    encode_picture(&mut bytes, PictureFormat::Exr, &picture, &WriteOptions::default()).unwrap();
     // The windows are boxes of four little-endian integers behind their names; a million pixels each way.
     let claim = |name: &str, bytes: &mut Vec<u8>| {
         let key = format!("{name}\0box2i\0");
