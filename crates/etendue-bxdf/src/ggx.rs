@@ -151,7 +151,9 @@ impl Ggx {
     }
 
     /// A reflected direction from a visible normal, with the cap bounded so that fewer fall below the horizon (Eto,
-    /// Tokuyoshi 2023); density [`GgxPair::pdf`]. The direction may still lie below.
+    /// Tokuyoshi 2023); density [`GgxPair::pdf`]. The direction may still lie below. The bound takes the variance of a
+    /// furnace's weights, F = 1, from 0.107 to 0.016 at roughness 0.6 and from 0.133 to 0.020 at roughness 1 (normal
+    /// incidence; the example `laws` prints the second figures).
     #[inline]
     pub fn sample_reflection(&self, wo: Vec3A, u: [f32; 2]) -> Vec3A {
         let m = self.sample_cap(wo, u, self.cap_bound(wo));

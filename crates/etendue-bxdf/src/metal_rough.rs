@@ -16,7 +16,7 @@
 //! # Where this departs from the appendix, and why
 //! Taken literally, the diffuse weight `1 − max F(wo·h)` makes light: at grazing `wo` the specular lobe reflects nearly
 //! everything, while most of the half vectors that the diffuse lobe meets still see F ≈ f0. A white dielectric of
-//! roughness 0.1 then returns 1.36 of a white sky at 80° and 1.71 at 89° (`cargo run --release -p etendue-bxdf
+//! roughness 0.1 then returns 1.35 of a white sky at 80° and 1.71 at 89° (`cargo run --release -p etendue-bxdf
 //! --example laws`). The appendix is informative and leaves better layering to the renderer. By default the weight is
 //! therefore the albedo-scaled one (Kelemen, Szirmay-Kalos 2001, "A Microfacet Based Coupled Specular-Matte BRDF
 //! Model with Importance Sampling"), which is reciprocal and loses and makes nothing:
@@ -186,7 +186,9 @@ impl MetalRough {
         (1.0 - (self.under_f0 + (self.under_f90 - self.under_f0) * w)).max(0.0)
     }
 
-    /// The specular lobe is picked in proportion to its albedo, summed over lanes.
+    /// The specular lobe is picked in proportion to its albedo, summed over lanes. In a furnace over base colours,
+    /// metalness, roughness and angles nothing else tried (exponents 0.6, 0.8; 10, 20, 30 % towards one half) has a
+    /// lower mean variance of weights.
     #[inline(always)]
     fn view(&self, wo: Vec3A) -> View {
         // A metal has one lobe and nothing to couple.

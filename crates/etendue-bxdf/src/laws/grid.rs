@@ -96,9 +96,9 @@ pub fn metal_rough_half_vector() -> Vec<Subject> {
     ROUGHNESS
         .into_iter()
         .map(|roughness| {
-            let p = MetalRoughParams { roughness, metallic: 0.2, ..Default::default() };
+            let p = MetalRoughParams { roughness, ..Default::default() };
             let bsdf = MetalRough::new(&p).with_coupling(Coupling::HalfVector);
-            let name = format!("metal-rough half-vector metallic 0.2 roughness {roughness}");
+            let name = format!("metal-rough half-vector metallic 0 roughness {roughness}");
             Subject { name, bsdf: Box::new(bsdf) }
         })
         .collect()
