@@ -1,0 +1,215 @@
+//! Files that lie, repeat themselves, or are cut: an error that says where, in bounded time and memory.
+mod common;
+use common::*;
+use etendue_import::{ImportError, ImportOptions, Limits, import_bytes};
+use serde_json::json;
+use std::time::{Duration, Instant};
+
+fn limited(change: impl Fn(&mut Limits)) -> ImportOptions {
+    let mut o = ImportOptions::default();
+    change(&mut o.limits);
+    o
+}
+
+fn too_large(m: &Model, o: &ImportOptions) -> &'static str {
+    match m.import_with(o) {
+        Err(ImportError::TooLarge { limit, .. }) => limit,
+        Err(e) => panic!("{e}"),
+        Ok(_) => panic!("was imported"),
+    }
+}
+
+#[test]
+fn counts_without_data_do_not_allocate() {
+    // A sparse accessor without a view may claim any number of zeros.
+    let mut m = Model::new();
+    let p = m.push("accessors", json!({"componentType": F32, "count": 400_000_000, "type": "VEC3"}));
+    let mesh = m.mesh(json!({"attributes": {"POSITION": p}}));
+    m.node(json!({"mesh": mesh}));
+    assert_eq!(too_large(&m, &ImportOptions::default()), "geometry_expansion");
+    m.json["accessors"][0]["count"] = json!(4_000_000_000u32);
+    assert_eq!(too_large(&m, &ImportOptions::default()), "vertices");
+}
+
+#[test]
+fn the_same_data_over_and_over_do_not_fill_the_memory() {
+    // 400 index lists over one array of 100 000 vertices: each would decode to megabytes.
+    let mut m = Model::new();
+    let p = m.floats(&vec![0.5; 300_000], "VEC3");
+    let list: Vec<u32> = (0..99_999).collect();
+    let first = m.accessor(&list[..], U32, "SCALAR", list.len());
+    let primitives: Vec<_> = (0..400)
+        .map(|n| {
+            let a = m.json["accessors"][first as usize].clone();
+            let i = m.push("accessors", a);
+            m.json["accessors"][i as usize]["count"] = json!(99_999 - 3 * n);
+            json!({"attributes": {"POSITION": p}, "indices": i})
+        })
+        .collect();
+    m.push("meshes", json!({"primitives": primitives}));
+    m.node(json!({"mesh": 0}));
+    let o = limited(|l| l.geometry_bytes = 100 << 20);
+    assert_eq!(too_large(&m, &o), "geometry_bytes");
+    let o = limited(|l| l.vertices = 1_000_000);
+    assert_eq!(too_large(&m, &o), "vertices");
+    assert_eq!(too_large(&m, &ImportOptions::default()), "geometry_expansion");
+    m.json["meshes"][0]["primitives"].as_array_mut().unwrap().truncate(50);
+    assert!(m.import().scene.meshes.len() == 50, "some sharing is usual");
+}
+
+#[test]
+fn instances_and_nodes_are_bounded() {
+    let mut m = Model::new();
+    m.triangle(json!({}));
+    for _ in 0..9 {
+        m.node(json!({"mesh": 0}));
+    }
+    assert_eq!(too_large(&m, &limited(|l| l.instances = 9)), "instances");
+    assert_eq!(too_large(&m, &limited(|l| l.nodes = 9)), "nodes");
+    assert_eq!(too_large(&m, &limited(|l| l.json_bytes = 9)), "json_bytes");
+    m.json["nodes"] = json!([{"children": [1]}, {"children": [2]}, {}]);
+    m.json["scenes"][0]["nodes"] = json!([0]);
+    assert_eq!(too_large(&m, &limited(|l| l.node_depth = 2)), "node_depth");
+    assert!(m.import_with(&limited(|l| l.node_depth = 3)).is_ok());
+}
+
+#[test]
+fn pictures_are_bounded() {
+    let mut m = Model::new();
+    m.triangle(json!({}));
+    m.push("images", json!({"uri": data_uri(&png())}));
+    m.push("textures", json!({"source": 0}));
+    m.push("materials", json!({"emissiveTexture": {"index": 0}}));
+    m.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    assert!(m.import_with(&limited(|l| l.image_pixels = 2)).is_ok());
+    for o in [limited(|l| l.image_pixels = 1), limited(|l| l.image_bytes = 5)] {
+        let e = m.import_with(&o).unwrap_err();
+        assert!(matches!(e, ImportError::Image { .. } | ImportError::TooLarge { .. }), "{e}");
+    }
+}
+
+#[test]
+fn instancing_counts_are_bounded() {
+    let mut m = Model::new();
+    m.triangle(json!({}));
+    let t = m.push("accessors", json!({"componentType": F32, "count": 3_000_000_000u32, "type": "VEC3"}));
+    m.json["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": t}}});
+    assert_eq!(too_large(&m, &ImportOptions::default()), "geometry_expansion");
+}
+
+/// A disk of `n` triangles around one vertex, with a normal map.
+fn fan(n: u32) -> Model {
+    let mut m = Model::new();
+    let mut p = vec![0.0f32, 0.0, 0.0];
+    for i in 0..n {
+        let a = i as f32 / n as f32 * std::f32::consts::TAU;
+        p.extend([a.cos(), a.sin(), 0.0]);
+    }
+    let uv: Vec<f32> = p.chunks(3).flat_map(|p| [p[0], p[1]]).collect();
+    let normals = [0.0f32, 0.0, 1.0].repeat(p.len() / 3);
+    let indices: Vec<u32> = (0..n).flat_map(|i| [0, i + 1, (i + 1) % n + 1]).collect();
+    let attributes = json!({
+        "POSITION": m.floats(&p, "VEC3"), "NORMAL": m.floats(&normals, "VEC3"), "TEXCOORD_0": m.floats(&uv, "VEC2")
+    });
+    let i = m.accessor(&indices[..], U32, "SCALAR", indices.len());
+    m.push("images", json!({"uri": data_uri(&png())}));
+    m.push("textures", json!({"source": 0}));
+    m.push("materials", json!({"normalTexture": {"index": 0}}));
+    let mesh = m.mesh(json!({"attributes": attributes, "indices": i, "material": 0}));
+    m.node(json!({"mesh": mesh}));
+    m
+}
+
+#[test]
+fn a_point_with_very_many_triangles_does_not_hang_the_tangents() {
+    let start = Instant::now();
+    for n in [1000, 200_000] {
+        let s = fan(n).import().scene;
+        for t in &s.meshes[0].tangents {
+            assert!((t.truncate() - glam::Vec3::X).length() < 1e-3 && t.w == -1.0, "{n}: {t}");
+        }
+    }
+    // The quadratic algorithm takes minutes (and the recursive one the stack).
+    assert!(start.elapsed() < Duration::from_secs(20));
+}
+
+#[test]
+fn degenerate_triangles_do_not_hang_the_tangents() {
+    let mut m = fan(500);
+    // Another 300 000 triangles without area among 100 000 proper ones.
+    let mut indices: Vec<u32> = (0..300_000u32).flat_map(|i| [i % 500, i % 500, (i + 1) % 500]).collect();
+    indices.extend((0..100_000u32).flat_map(|i| [1 + i % 400, 2 + i % 400, 3 + i % 400]));
+    let i = m.accessor(&indices[..], U32, "SCALAR", indices.len());
+    m.json["meshes"][0]["primitives"][0]["indices"] = json!(i);
+    let start = Instant::now();
+    let s = m.import().scene;
+    assert_eq!(s.meshes[0].indices.len(), 400_000);
+    assert!(start.elapsed() < Duration::from_secs(20));
+}
+
+#[test]
+fn deeply_nested_json_is_an_error() {
+    let mut text = br#"{"asset":{"version":"2.0"},"extras":"#.to_vec();
+    text.extend(b"[".repeat(1_000_000));
+    let e = import_bytes(&text, "deep.gltf", &ImportOptions::default()).unwrap_err();
+    assert!(matches!(e, ImportError::Json { .. }), "{e}");
+}
+
+#[test]
+fn faults_name_file_and_place() {
+    let cases: [(&[u8], &str); 9] = [
+        (b"", "x.gltf: byte 0: the file is empty"),
+        (b"hello", "x.gltf: byte 0: neither GLB"),
+        (b"{", "x.gltf: line 1, column 1 of the JSON: EOF"),
+        (b"{\"asset\":{}}", "x.gltf: /asset: `version` is missing"),
+        (b"{\"asset\":3}", "x.gltf: /asset: an object is needed, not a number"),
+        (b"{}", "x.gltf: document: `asset` is missing"),
+        (b"{\"asset\":{\"version\":\"1.0\"}}", "x.gltf: /asset/version: requires glTF 1.0, which is not supported"),
+        (b"{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":-1}]}", "x.gltf: /nodes/0/mesh: a whole number"),
+        (b"{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{\"a/b\":\"\"}}]}]}",
+            "/meshes/0/primitives/0/attributes/a~1b: a whole number from 0 up is needed, not a string"),
+    ];
+    for (bytes, expected) in cases {
+        let e = import_bytes(bytes, "x.gltf", &ImportOptions::default()).unwrap_err().to_string();
+        assert!(e.contains(expected), "{expected} not in: {e}");
+    }
+}
+
+#[test]
+fn every_cut_and_every_flipped_byte_is_survived() {
+    // A file with a bit of everything.
+    let mut m = fan(5);
+    m.json["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}});
+    m.json["accessors"][0]["sparse"] = json!({
+        "count": 1,
+        "indices": {"bufferView": 3, "componentType": U32},
+        "values": {"bufferView": 0}
+    });
+    m.push("skins", json!({"joints": [0]}));
+    let input = m.floats(&[0.0, 1.0], "SCALAR");
+    m.push(
+        "animations",
+        json!({
+            "channels": [{"sampler": 0, "target": {"node": 0, "path": "scale"}}],
+            "samplers": [{"input": input, "output": 0}]
+        }),
+    );
+    let glb = m.glb();
+    let o = ImportOptions { at: Some(0.5), ..ImportOptions::default() };
+    import_bytes(&glb, "whole.glb", &o).unwrap();
+    for cut in 0..glb.len() {
+        let _ = import_bytes(&glb[..cut], "cut.glb", &o);
+    }
+    let mut survived = 0;
+    for i in 0..glb.len() {
+        for flip in [1u8, 0x80, 0x10] {
+            let mut b = glb.clone();
+            b[i] ^= flip;
+            if let Ok(i) = import_bytes(&b, "flipped.glb", &o) {
+                i.scene.validate().unwrap();
+                survived += 1;
+            }
+        }
+    }
+    assert!(survived > 800, "most flips in the data still give a scene: {survived}");
+}
