@@ -300,3 +300,49 @@ pub fn paint(atlas: &Atlas, background: Vec3, painter: impl Fn(&Texel) -> Paint 
         emissive: bytes(&|i| paints[i].emissive.to_array().map(srgb8)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A plate in the xy plane, 1 m a side, that fills the atlas upright.
+    fn plate(n: usize) -> Atlas {
+        let mut m = Mesh::default();
+        for (x, y) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+            m.push(Vec3::new(x, y, 0.0), Vec3::Z, Vec2::new(x, 1.0 - y), Vec3::ZERO);
+        }
+        m.tri(0, 1, 2);
+        m.tri(0, 2, 3);
+        let mut a = Atlas::new(n, n);
+        a.draw(&m, 1);
+        a
+    }
+
+    #[test]
+    fn texels_lie_where_they_are_drawn() {
+        let a = plate(16);
+        assert!(a.texels.iter().all(|t| t.part == 1));
+        let t = &a.texels[3 * 16 + 5];
+        assert!(t.pos.distance(Vec3::new(5.5 / 16.0, 1.0 - 3.5 / 16.0, 0.0)) < 1e-5);
+        assert!(t.right.distance(Vec3::X / 16.0) < 1e-6 && t.up.distance(Vec3::Y / 16.0) < 1e-6);
+    }
+
+    /// A slope that rises to the right and upward leans its normal to the left and downward, by exactly its steepness.
+    #[test]
+    fn normals_follow_the_height() {
+        let a = plate(16);
+        let (sx, sy) = (0.3, 0.4);
+        let maps = paint(&a, Vec3::ZERO, |t| Paint {
+            base: Vec3::ZERO,
+            metallic: 0.0,
+            roughness: 0.5,
+            height: sx * t.pos.x + sy * t.pos.y,
+            emissive: Vec3::ZERO,
+        });
+        let want = Vec3::new(-sx, -sy, 1.0).normalize();
+        for n in maps.normal.chunks_exact(3) {
+            let n = Vec3::new(n[0] as f32, n[1] as f32, n[2] as f32) / 127.5 - 1.0;
+            assert!(n.distance(want) < 0.01, "{n} instead of {want}");
+        }
+    }
+}

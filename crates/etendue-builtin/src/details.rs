@@ -35,7 +35,7 @@ pub fn pod_mesh() -> Mesh {
             (0.0078, 0.0166, 0.0010),
             (0.0000, 0.0170, 0.0),
         ],
-        2,
+        1,
     );
     lathe(&o, 48)
 }
@@ -59,7 +59,7 @@ pub fn bolt_mesh() -> Mesh {
         ],
         1,
     );
-    lathe(&o, 14)
+    lathe(&o, 12)
 }
 
 /// Where the visor frame's bolts sit: on its flange, at even distances.
@@ -185,7 +185,7 @@ pub fn connector_mesh() -> Mesh {
             (0.0095, 0.0180, 0.0006),
             (0.0, 0.0178, 0.0),
         ],
-        2,
+        1,
     );
     lathe(&o, 28)
 }

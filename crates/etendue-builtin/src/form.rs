@@ -137,3 +137,45 @@ pub fn neck_edge(azimuth: f32) -> Vec3 {
     }
     direction(azimuth, high)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn visor_coordinates_invert() {
+        for i in 0..=20 {
+            for j in 0..=20 {
+                let q = Vec2::new(i as f32 / 10.0 - 1.0, j as f32 / 10.0 - 1.0) * 1.1;
+                assert!(to_visor(from_visor(q)).distance(q) < 2e-3, "{q}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_opening_has_extent_one() {
+        for i in 0..64 {
+            let a = visor_angles(i as f32 * 0.1, 1.0);
+            let e = visor_extent(direction(a.x, a.y));
+            assert!((e - 1.0).abs() < 5e-3, "{e}");
+        }
+    }
+
+    #[test]
+    fn the_neck_edge_lies_on_the_plane() {
+        for i in 0..64 {
+            let p = on_shell(neck_edge(i as f32 * 0.1));
+            assert!(above_neck(p).abs() < 1e-5, "{p}");
+        }
+    }
+
+    #[test]
+    fn the_radius_of_an_offset_ellipsoid_satisfies_its_equation() {
+        let (c, axes) = (Vec3::new(0.0, -0.05, 0.03), Vec3::new(0.09, 0.10, 0.12));
+        for i in 0..40 {
+            let d = direction(i as f32 * 0.7, (i as f32 * 0.37).sin());
+            let p = (d * offset_ellipsoid(d, c, axes) - c) / axes;
+            assert!((p.length() - 1.0).abs() < 1e-5);
+        }
+    }
+}

@@ -112,8 +112,6 @@ impl Gltf {
         let bounds = Some((min.to_array().to_vec(), max.to_array().to_vec()));
         let position = self.floats("VEC3", &flat(&m.pos), bounds);
         let normal = self.floats("VEC3", &flat(&m.nrm), None);
-        let tangents: Vec<f32> = m.tangents().iter().flat_map(|t| t.to_array()).collect();
-        let tangent = self.floats("VEC4", &tangents, None);
         let uv = self.floats("VEC2", &m.uv.iter().flat_map(|t| t.to_array()).collect::<Vec<_>>(), None);
         let bytes: Vec<u8> = m.idx.iter().flat_map(|i| (*i as u16).to_le_bytes()).collect();
         assert!(m.pos.len() < 65_535, "a primitive's vertices are counted in 16 bits");
@@ -121,11 +119,14 @@ impl Gltf {
         self.accessors.push(
             json!({ "bufferView": view, "componentType": 5123, "count": m.idx.len(), "type": "SCALAR" }),
         );
-        json!({
-            "attributes": { "POSITION": position, "NORMAL": normal, "TANGENT": tangent, "TEXCOORD_0": uv },
-            "indices": self.accessors.len() - 1,
-            "material": material
-        })
+        let indices = self.accessors.len() - 1;
+        let mut attributes = json!({ "POSITION": position, "NORMAL": normal, "TEXCOORD_0": uv });
+        // Tangents serve normal maps alone.
+        if self.materials[material]["normalTexture"].is_object() {
+            let tangents: Vec<f32> = m.tangents().iter().flat_map(|t| t.to_array()).collect();
+            attributes["TANGENT"] = json!(self.floats("VEC4", &tangents, None));
+        }
+        json!({ "attributes": attributes, "indices": indices, "material": material })
     }
 
     /// Adds a node that shows a mesh at a place without scale or shear.

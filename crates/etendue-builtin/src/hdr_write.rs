@@ -49,3 +49,41 @@ fn run_lengths(line: &[u8], out: &mut Vec<u8>) {
         out.extend_from_slice(&line[start..i]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_channel_keeps_eight_bits() {
+        for i in 0..4000 {
+            let v = 1e-4 * 1.004f32.powi(i);
+            let q = rgbe([v, 0.5 * v, 0.0]);
+            let back = q[0] as f32 * 2f32.powi(q[3] as i32 - 136);
+            assert!((back - v).abs() <= v / 255.0, "{v} came back as {back}");
+            assert!(q[0] >= 127, "{v}: the mantissa {} is not normalised", q[0]);
+        }
+        assert_eq!(rgbe([0.0; 3]), [0; 4]);
+        assert_eq!(rgbe([1.0, 1.0, 1.0]), [128, 128, 128, 129]);
+    }
+
+    #[test]
+    fn runs_decode_to_the_line() {
+        let line: Vec<u8> = (0..600u32).map(|i| if i % 97 < 40 { 7 } else { (i * 31 % 251) as u8 }).collect();
+        let mut code = Vec::new();
+        run_lengths(&line, &mut code);
+        let (mut out, mut at) = (Vec::new(), 0);
+        while at < code.len() {
+            let n = code[at] as usize;
+            if n > 128 {
+                out.extend(std::iter::repeat_n(code[at + 1], n - 128));
+                at += 2;
+            } else {
+                out.extend_from_slice(&code[at + 1..at + 1 + n]);
+                at += 1 + n;
+            }
+        }
+        assert_eq!(out, line);
+        assert!(code.len() < line.len());
+    }
+}

@@ -99,19 +99,19 @@ fn hardware() -> Vec<Placed> {
         Placed {
             name: "pod",
             part: Part::Pod,
-            mesh: lathe_uv(pod_mesh(), strip(576.0, 336.0, 440.0, 440.0)),
+            mesh: pod_mesh().place_uv(strip(576.0, 336.0, 440.0, 440.0)),
             places: vec![pod_place(), mirrored(pod_place())],
         },
         Placed {
             name: "connector",
             part: Part::Connector,
-            mesh: lathe_uv(connector_mesh(), strip(576.0, 784.0, 232.0, 232.0)),
+            mesh: connector_mesh().place_uv(strip(576.0, 784.0, 232.0, 232.0)),
             places: vec![left, connector_place(-1.0), hose_end()],
         },
         Placed {
             name: "bolt",
             part: Part::Bolt,
-            mesh: lathe_uv(bolt_mesh(), strip(816.0, 784.0, 64.0, 64.0)),
+            mesh: bolt_mesh().place_uv(strip(816.0, 784.0, 64.0, 64.0)),
             places: bolt_places(),
         },
         Placed {
@@ -123,15 +123,10 @@ fn hardware() -> Vec<Placed> {
         Placed {
             name: "lamp",
             part: Part::Lamp,
-            mesh: lathe_uv(lamp_mesh(), strip(816.0, 856.0, 160.0, 160.0)),
+            mesh: lamp_mesh().place_uv(strip(816.0, 856.0, 160.0, 160.0)),
             places: vec![lamp_place()],
         },
     ]
-}
-
-/// Lathes fill their square already.
-fn lathe_uv(m: Mesh, rect: Rect) -> Mesh {
-    m.place_uv(rect)
 }
 
 fn jpeg(w: usize, h: usize, rgb: &[u8], quality: u8) -> Vec<u8> {
@@ -256,4 +251,38 @@ pub fn helmet() -> Vec<u8> {
     let rim_index = g.mesh("rim", &primitives);
     g.node("rim", rim_index, Mat4::IDENTITY);
     g.finish("helmet", -floor)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_parts_share_a_texel() {
+        let size = PARTS as usize;
+        let mut taken = vec![0u8; size * size];
+        for p in hardware() {
+            let mut atlas = Atlas::new(size, size);
+            atlas.draw(&p.mesh, p.part as u8);
+            atlas.grow(2);
+            for (a, t) in taken.iter_mut().zip(&atlas.texels) {
+                if t.part != 0 {
+                    assert!(*a == 0 || *a == t.part, "{} lies on part {a}", p.name);
+                    *a = t.part;
+                }
+            }
+            assert!(p.mesh.uv.iter().all(|t| t.min_element() >= 0.0 && t.max_element() <= 1.0), "{}", p.name);
+        }
+    }
+
+    #[test]
+    fn places_are_rigid() {
+        for p in hardware() {
+            for m in p.places {
+                let (scale, _, _) = m.to_scale_rotation_translation();
+                assert!((scale - Vec3::ONE).abs().max_element() < 1e-4, "{}: scale {scale}", p.name);
+                assert!(m.determinant() > 0.0, "{}: mirrored", p.name);
+            }
+        }
+    }
 }

@@ -66,7 +66,7 @@ fn strokes(c: char) -> &'static [&'static [(f32, f32)]] {
             (4.0, 6.0),
         ]],
         'T' => &[&[(0.0, 6.0), (4.0, 6.0)], &[(2.0, 6.0), (2.0, 0.0)]],
-        'U' => &[&[(0.0, 6.0), (0.0, 1.5), (1.5, 0.0), (2.5, 0.0), (4.0, 1.5), (4.0, 6.0)]],
+        'U' => &[&[(0.0, 6.0), (0.0, 0.8), (0.8, 0.0), (3.2, 0.0), (4.0, 0.8), (4.0, 6.0)]],
         'V' => &[&[(0.0, 6.0), (2.0, 0.0), (4.0, 6.0)]],
         'X' => &[&[(0.0, 0.0), (4.0, 6.0)], &[(0.0, 6.0), (4.0, 0.0)]],
         'Y' => &[&[(0.0, 6.0), (2.0, 3.0), (4.0, 6.0)], &[(2.0, 3.0), (2.0, 0.0)]],
@@ -163,7 +163,7 @@ fn arrow(q: Vec2, size: f32) -> f32 {
 /// The air slots over the temples: signed distance of a place to the nearest slot, metres.
 pub fn slots(p: Vec3) -> f32 {
     let side = p.x.signum();
-    let centre = Vec3::new(0.50 * side, 0.80, 0.16).normalize();
+    let centre = Vec3::new(0.46 * side, 0.82, -0.10).normalize();
     let d = p.normalize();
     if d.dot(centre) < 0.9 {
         return 1.0;
@@ -180,6 +180,15 @@ pub fn slots(p: Vec3) -> f32 {
     best
 }
 
+/// A direction in the tangent plane at an azimuth and elevation, metres on a sphere as large as the shell, x to the right and
+/// y up as seen from outside; `None` on the far side.
+fn from_outside(d: Vec3, azimuth: f32, elevation: f32) -> Option<Vec2> {
+    let centre = crate::form::direction(azimuth, elevation);
+    let ahead = d.dot(centre);
+    let x = Vec3::Y.cross(centre).normalize();
+    (ahead > 0.8).then(|| Vec2::new(d.dot(x), d.dot(centre.cross(x))) * (0.140 / ahead))
+}
+
 /// The marks that cover a place of the shell, each with its ink and cover 0..1, in the order of spraying.
 pub fn shell_marks(p: Vec3) -> Vec<(Ink, f32)> {
     let mut out = Vec::new();
@@ -192,9 +201,6 @@ pub fn shell_marks(p: Vec3) -> Vec<(Ink, f32)> {
         let q = Vec2::new(-p.z * side, p.y);
         let text = |place: Vec2, s: &str, h: f32, stroke: f32| cover(text_distance(q - place, s, h) - stroke);
         if p.y > -0.012 {
-            out.push((Ink::Dark, text(at(0.010, 0.072), "07", 0.034, 0.0034)));
-            out.push((Ink::Dark, text(at(0.010, 0.0585), "ETENDUE", 0.0068, 0.00064)));
-            out.push((Ink::Dark, text(at(0.010, 0.0510), "N2 A OMEGA", 0.0034, 0.00040)));
             out.push((Ink::Signal, cover(insignia(q - at(-0.090, 0.030), 0.020))));
             out.push((Ink::Dark, text(at(-0.090, 0.0030), "LIGHT CREW", 0.0036, 0.00042)));
             // The rescue arrow points at the ear's release.
@@ -213,6 +219,15 @@ pub fn shell_marks(p: Vec3) -> Vec<(Ink, f32)> {
             let block = rectangle(bars, Vec2::new(0.0225, 0.0042));
             out.push((Ink::Signal, cover((slant.abs() - 0.00225).max(block))));
         }
+    }
+    // On the brow, beside the stripe, upright for a reader in front.
+    if let Some(q) = from_outside(d, 0.96 * side, 0.90) {
+        let text = |y: f32, s: &str, h: f32, stroke: f32| {
+            (Ink::Dark, cover(text_distance(q - Vec2::new(0.0, y), s, h) - stroke))
+        };
+        out.push(text(-0.010, "07", 0.031, 0.0031));
+        out.push(text(-0.0215, "ETENDUE", 0.0064, 0.00062));
+        out.push(text(-0.0280, "N2 A OMEGA", 0.0034, 0.00040));
     }
     // At the nape, on the stripe.
     if d.z < -0.5 && d.y.abs() < 0.6 {

@@ -117,3 +117,43 @@ fn hits_triangle(t: &[Vec3; 3], o: Vec3, d: Vec3, limit: f32) -> bool {
     let at = t[2].dot(q) / det;
     u >= 0.0 && v >= 0.0 && u + v <= 1.0 && at > 0.0 && at < limit
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lathe::lathe;
+    use crate::shape::outline;
+
+    #[test]
+    fn the_hierarchy_agrees_with_every_triangle() {
+        let o = outline(
+            &[(1.0, -1.0, 0.0), (1.0, 0.5, 0.2), (0.4, 0.6, 0.1), (0.3, 0.1, 0.05), (0.0, 0.2, 0.0)],
+            3,
+        );
+        let m = lathe(&o, 24);
+        let world = Occluders::new([&m].into_iter());
+        let mut hits = 0;
+        for i in 0..2000u32 {
+            let r = |k: u32| unit(hash(i * 8 + k)) * 2.0 - 1.0;
+            let (p, d) = (Vec3::new(r(0), r(1), r(2)) * 1.5, Vec3::new(r(3), r(4), r(5)).normalize());
+            let limit = 0.5 + r(6).abs();
+            let all = world.triangles.iter().any(|t| hits_triangle(t, p, d, limit));
+            assert_eq!(world.hits(p, d, limit), all, "ray {i}");
+            hits += all as u32;
+        }
+        assert!(hits > 200, "only {hits} rays hit anything");
+    }
+
+    #[test]
+    fn half_of_the_sky_is_open_beside_a_wall() {
+        let mut m = crate::shape::Mesh::default();
+        for (y, z) in [(-1e3, -1e3), (1e3, -1e3), (1e3, 1e3), (-1e3, 1e3)] {
+            m.push(Vec3::new(0.01, y, z), Vec3::NEG_X, Vec2::ZERO, Vec3::ZERO);
+        }
+        m.tri(0, 1, 2);
+        m.tri(0, 2, 3);
+        let world = Occluders::new([&m].into_iter());
+        let open = world.openness(Vec3::ZERO, Vec3::Z, 1e4, 4096, 1);
+        assert!((open - 0.5).abs() < 0.01, "{open}");
+    }
+}

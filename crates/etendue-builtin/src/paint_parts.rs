@@ -32,7 +32,7 @@ pub enum Part {
     Lamp,
 }
 
-const BLACK: Vec3 = Vec3::new(0.018, 0.019, 0.021);
+const BLACK: Vec3 = Vec3::new(0.027, 0.028, 0.031);
 const RUBBER: Vec3 = Vec3::new(0.016, 0.016, 0.017);
 const STEEL: Vec3 = Vec3::new(0.54, 0.53, 0.51);
 const BRASS: Vec3 = Vec3::new(0.78, 0.56, 0.27);
@@ -199,7 +199,7 @@ pub fn parts_paint(t: &Texel) -> Paint {
         let lens = smoothstep(0.0100, 0.0096, t.aux.x);
         // A lens of rings, brightest in the middle.
         let rings = 0.75 + 0.25 * (t.aux.x * 5200.0).cos();
-        let spot = 0.05 + 0.55 * smoothstep(0.0085, 0.0, t.aux.x).powi(2);
+        let spot = 0.02 + 0.40 * smoothstep(0.0085, 0.0, t.aux.x).powi(2);
         p.emissive = Vec3::new(1.0, 0.84, 0.60) * (lens * rings * spot);
         p.base = p.base.lerp(Vec3::splat(0.30), lens);
         p.roughness = mix(p.roughness, 0.12, lens);

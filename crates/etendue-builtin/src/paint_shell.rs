@@ -9,7 +9,7 @@ use glam::Vec3;
 /// The lacquers, linear.
 const WHITE: Vec3 = Vec3::new(0.74, 0.715, 0.66);
 const RED: Vec3 = Vec3::new(0.60, 0.055, 0.012);
-const GRAPHITE: Vec3 = Vec3::new(0.030, 0.033, 0.038);
+const GRAPHITE: Vec3 = Vec3::new(0.044, 0.048, 0.055);
 const PRIMER: Vec3 = Vec3::new(0.20, 0.185, 0.15);
 const STEEL: Vec3 = Vec3::new(0.52, 0.51, 0.49);
 
@@ -164,13 +164,14 @@ pub fn shell_paint(t: &Texel) -> Paint {
     let streak_noise = fbm(Vec3::new(p.x * 150.0, p.y * 7.0, p.z * 150.0), 3, 71);
     let streak =
         smoothstep(0.15, 0.75, streak_noise) * smoothstep(-0.3, 0.5, broad) * smoothstep(0.10, -0.09, p.y);
-    let dirt = (0.85 * groove + 0.55 * sheltered + 0.35 * seep + 0.40 * moat + 0.34 * streak).min(0.92);
+    let dirt = (0.85 * groove + 0.55 * sheltered + 0.35 * seep + 0.60 * moat + 0.34 * streak).min(0.92);
     base = base.lerp(Vec3::new(0.050, 0.042, 0.033), dirt * (1.0 - 0.5 * to_metal));
     rough = mix(rough, 0.75, dirt * 0.8);
     metallic *= 1.0 - 0.6 * groove;
     // Pale dust settles on the jaw, thicker towards the neck.
-    let dusty =
-        0.45 * smoothstep(-0.05, -0.125, p.y + 0.02 * broad) * smoothstep(-0.4, 0.7, fbm(p * 55.0, 4, 91));
+    let dusty = 0.32
+        * smoothstep(-0.05, -0.125, p.y + 0.02 * broad)
+        * (0.3 + 0.7 * smoothstep(-0.4, 0.6, fbm(p * 190.0, 4, 91)));
     base = base.lerp(Vec3::new(0.20, 0.17, 0.135), dusty);
     rough = mix(rough, 0.82, dusty);
     // Dust and handling lift the gloss in soft patches.

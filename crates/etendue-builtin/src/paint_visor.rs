@@ -5,8 +5,8 @@ use crate::noise::{fbm, mix, perlin, smoothstep};
 use glam::{Vec2, Vec3};
 
 const GOLD: Vec3 = Vec3::new(1.0, 0.68, 0.24);
-const COPPER: Vec3 = Vec3::new(0.80, 0.30, 0.11);
-const PLUM: Vec3 = Vec3::new(0.34, 0.085, 0.115);
+const COPPER: Vec3 = Vec3::new(0.88, 0.44, 0.13);
+const BRONZE: Vec3 = Vec3::new(0.46, 0.17, 0.055);
 
 /// Ridges of a fingertip's print around `at` (metres in the visor's chart), 0..1.
 fn print(q: Vec2, at: Vec2, turn: f32, salt: u32) -> f32 {
@@ -29,7 +29,7 @@ pub fn visor_paint(t: &Texel) -> Paint {
     let (a, e, extent) = (t.aux.x, t.aux.y, t.aux.z);
     let n = fbm(p * 12.0, 3, 201);
     let up = smoothstep(-0.06, 0.40, e + 0.02 * n);
-    let base = GOLD.lerp(COPPER, up).lerp(PLUM, smoothstep(0.26, 0.56, e + 0.01 * n));
+    let base = GOLD.lerp(COPPER, up).lerp(BRONZE, smoothstep(0.26, 0.56, e + 0.01 * n));
     let base = base * (1.0 - 0.10 * smoothstep(0.6, 1.2, a.abs()));
 
     let q = Vec2::new(a, e) * 0.15;
@@ -48,13 +48,13 @@ pub fn visor_paint(t: &Texel) -> Paint {
             smoothstep(0.03, 0.0, line) * smoothstep(0.25, 0.6, perlin(q.extend(5.0 + k as f32) * 40.0, 254)),
         );
     }
-    let dust = smoothstep(0.90, 1.0, extent) * smoothstep(-0.3, 0.5, fbm(p * 120.0, 3, 261));
+    let dust = smoothstep(0.90, 1.0, extent) * smoothstep(-0.3, 0.5, fbm(p * 45.0, 2, 261));
     let mut rough = 0.045 + 0.012 * n.abs();
     rough += 0.16 * touch + 0.07 * smear + 0.10 * hair;
-    rough = mix(rough, 0.5, 0.5 * dust);
+    rough = mix(rough, 0.4, 0.3 * dust);
     Paint {
         base: base * (1.0 - 0.25 * dust - 0.05 * touch),
-        metallic: 1.0 - 0.5 * dust,
+        metallic: 1.0 - 0.2 * dust,
         roughness: rough.clamp(0.03, 0.8),
         height: 0.0,
         emissive: Vec3::ZERO,

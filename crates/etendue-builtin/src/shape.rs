@@ -176,3 +176,46 @@ pub fn outline(corners: &[(f32, f32, f32)], steps: u32) -> Vec<ProfilePoint> {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square, counter-clockwise with the outside to the right of the travel: its corners become quarter circles.
+    #[test]
+    fn corners_become_arcs_that_touch_their_edges() {
+        let r = 0.25;
+        let o = outline(&[(1.0, 0.0, 0.0), (1.0, 1.0, r), (0.0, 1.0, r), (0.0, 0.0, 0.0)], 8);
+        let centre = Vec2::new(1.0 - r, 1.0 - r);
+        let arc: Vec<_> = o.iter().filter(|q| q.p.x >= centre.x && q.p.y >= centre.y).collect();
+        assert_eq!(arc.len(), 9);
+        for q in arc {
+            assert!((q.p.distance(centre) - r).abs() < 1e-6);
+            assert!((q.n - (q.p - centre) / r).length() < 1e-5, "the normal points away from the centre");
+        }
+        // A notch turns the other way: the normal points to the centre.
+        let o = outline(&[(1.0, 0.0, 0.0), (0.0, 0.0, r), (0.0, 1.0, 0.0)], 4);
+        let centre = Vec2::new(r, r);
+        for q in &o[1..o.len() - 1] {
+            assert!((q.n + (q.p - centre) / r).length() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn an_upright_chart_has_handedness_one() {
+        let mut m = Mesh::default();
+        // Seen from +Z: u to the right (+X), v down (−Y).
+        for (x, y) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+            m.push(Vec3::new(x, y, 0.0), Vec3::Z, Vec2::new(x, 1.0 - y), Vec3::ZERO);
+        }
+        m.tri(0, 1, 2);
+        m.tri(0, 2, 3);
+        for t in m.tangents() {
+            assert_eq!(t, Vec4::new(1.0, 0.0, 0.0, 1.0));
+        }
+        let mirrored = m.transform(Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0)));
+        for t in mirrored.tangents() {
+            assert_eq!(t, Vec4::new(-1.0, 0.0, 0.0, -1.0));
+        }
+    }
+}

@@ -86,14 +86,14 @@ fn lamps() -> Vec<Softbox> {
             light: cool * 15.0,
             falloff: 0.45,
         },
-        // A long low strip in front: the bright line across the visor and under every bevel.
+        // A reflector on the floor in front: lights the jaw from below.
         Softbox {
-            at: [4.0, -25.0],
-            half: [0.75, 0.045],
+            at: [-5.0, -56.0],
+            half: [0.85, 0.30],
             roll: 0.0,
-            soft: 0.06,
-            light: warm * 3.0,
-            falloff: 0.25,
+            soft: 0.45,
+            light: warm * 1.5,
+            falloff: 0.3,
         },
     ];
     // A window on the camera's right: two by three panes.
@@ -117,17 +117,17 @@ pub fn radiance(d: Vec3) -> Vec3 {
     let elevation = d.y.clamp(-1.0, 1.0).asin();
     // How far the direction lies to the front, where the camera stands: the walls there are lit, those behind are not.
     let front = smoothstep(-0.75, 0.55, d.z);
-    let dark = Vec3::new(0.026, 0.033, 0.041);
-    let glow = dark.lerp(Vec3::new(0.46, 0.44, 0.41), front);
-    let ceiling = dark.lerp(Vec3::new(0.075, 0.085, 0.10), front);
+    let dark = Vec3::new(0.020, 0.025, 0.031);
+    let glow = dark.lerp(Vec3::new(0.80, 0.77, 0.72), front);
+    let ceiling = dark.lerp(Vec3::new(0.11, 0.12, 0.14), front);
     let wall = glow.lerp(ceiling, smoothstep(0.02, 0.85, elevation));
-    let near = dark.lerp(Vec3::new(0.25, 0.205, 0.165), front);
+    let near = dark.lerp(Vec3::new(0.40, 0.34, 0.28), front);
     let floor = near.lerp(Vec3::new(0.045, 0.040, 0.036), smoothstep(-0.25, -1.2, elevation));
     let mut l = floor.lerp(wall, smoothstep(-0.16, 0.03, elevation));
     // A pool of light on the backdrop, behind whatever the camera looks at.
-    let pool = crate::form::direction(204f32.to_radians(), -8f32.to_radians());
+    let pool = crate::form::direction(204f32.to_radians(), -9f32.to_radians());
     let angle = d.dot(pool).clamp(-1.0, 1.0).acos();
-    l += Vec3::new(0.125, 0.160, 0.180) * (-(angle / 0.33).powi(2)).exp();
+    l += Vec3::new(0.150, 0.185, 0.205) * (-(angle / 0.27).powi(2)).exp();
     l += Vec3::new(0.018, 0.024, 0.030) * (-(angle / 0.95).powi(2)).exp();
     lamps().iter().fold(l, |sum, s| sum + s.radiance(d))
 }
