@@ -19,7 +19,8 @@ const DISTANCE_ROUNDINGS: f32 = 4.0;
 /// lengths. A negative or NaN `t_min` counts as 0: nothing behind the origin is hit. `t_max` may be infinite.
 ///
 /// A ray hits nothing if a component of its origin or direction is NaN or infinite, if its direction's largest
-/// component is below 1e-18 or above 1e18 in size, or if `t_max` is NaN or not above `t_min`.
+/// component is below 1e-18 or above 1e18 in size, if `t_max` is NaN or not above `t_min`, or if distances in the scene
+/// along it overflow (which takes scenes or origins beyond 1e20 lengths of the direction).
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
     /// Where `t` is 0, metres.
@@ -120,6 +121,11 @@ impl Prepared {
         let nonzero = Vec3A::select(a.cmplt(Vec3A::splat(tiny)), Vec3A::splat(tiny).copysign(d), d);
         let inverse = nonzero.recip();
         let back = Vec3A::splat(pad).copysign(inverse);
+        let (near, far) = ((o + back) * inverse, (o - back) * inverse);
+        // Finite here, no box test below can make a NaN: at worst an infinity of the right sign.
+        if !(near.is_finite() & far.is_finite()) {
+            return None;
+        }
         let kz = if a.x >= a.y && a.x >= a.z {
             0
         } else if a.y >= a.z {
@@ -136,8 +142,8 @@ impl Prepared {
             origin: o.to_array(),
             sign: inverse.to_array().map(|x| (x < 0.0) as usize),
             inverse: inverse.to_array(),
-            near: ((o + back) * inverse).to_array(),
-            far: ((o - back) * inverse).to_array(),
+            near: near.to_array(),
+            far: far.to_array(),
             kz,
             kx,
             ky,

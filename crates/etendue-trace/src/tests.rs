@@ -213,3 +213,24 @@ fn kernels_agree_to_the_bit() {
         }
     }
 }
+
+#[test]
+fn the_tree_does_not_depend_on_the_number_of_threads() {
+    let s = scene(5, 40_000, 60);
+    let tree = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let accel = pool.install(|| Accel::build(&s));
+        // Bytes, since unused lanes hold NaN.
+        let bytes = |t: &crate::wide::Tree| {
+            let nodes: &[u8] = bytemuck::cast_slice(&t.nodes);
+            let packets: &[u8] = bytemuck::cast_slice(&t.packets);
+            [nodes, packets].concat()
+        };
+        std::iter::once(&accel.world).chain(&accel.meshes).map(bytes).collect::<Vec<_>>()
+    };
+    let one = tree(1);
+    assert!(one.iter().all(|t| !t.is_empty()));
+    for threads in [2, 7] {
+        assert!(tree(threads) == one, "{threads} threads");
+    }
+}

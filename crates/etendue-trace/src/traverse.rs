@@ -2,7 +2,8 @@
 
 use crate::lanes::{F32x8, Lanes};
 use crate::ray::Prepared;
-use crate::wide::{Child, INDEX, KIND, Node, Tree};
+use crate::triangle::Packet;
+use crate::wide::{Child, INDEX, KIND, LEAF, Node, Tree};
 use std::mem::MaybeUninit;
 
 /// Entries of the traversal stack; [`crate::Accel::build`] checks that no tree needs more.
@@ -90,7 +91,7 @@ pub(crate) fn walk<S: Lanes, const ANY: bool>(
     mut t_max: f32,
     visitor: &mut impl Visitor,
 ) {
-    let nodes: &[Node] = &tree.nodes;
+    let (nodes, packets): (&[Node], &[Packet]) = (&tree.nodes, &tree.packets);
     if nodes.is_empty() {
         return;
     }
@@ -121,7 +122,13 @@ pub(crate) fn walk<S: Lanes, const ANY: bool>(
             let mut next = || {
                 let lane = lanes.trailing_zeros() as usize & 7;
                 lanes &= lanes - 1;
-                (entry(first[lane], node.children[lane]), lanes == 0)
+                let child = node.children[lane];
+                if child & KIND == 0 {
+                    S::prefetch(&nodes[index(child)]);
+                } else if child & KIND == LEAF {
+                    S::prefetch(&packets[index(child)]);
+                }
+                (entry(first[lane], child), lanes == 0)
             };
             let (a, end) = next();
             if end {

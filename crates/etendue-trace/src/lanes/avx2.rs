@@ -62,4 +62,8 @@ impl Lanes for Avx2 {
         // SAFETY: the only callers are kernels entered after AVX2 was detected.
         unsafe { _mm256_movemask_ps(self.0) as u32 }
     }
+    #[inline(always)]
+    fn prefetch<T>(value: &T) {
+        super::prefetch(value);
+    }
 }

@@ -43,4 +43,22 @@ pub(crate) trait Lanes: Copy {
     fn or(self, o: Self) -> Self;
     /// One bit per lane: its sign.
     fn signs(self) -> u32;
+    /// Asks for the cache lines of a value that will be read soon.
+    #[inline(always)]
+    fn prefetch<T>(_value: &T) {}
+}
+
+/// Asks for each cache line of a value.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+#[allow(unused_unsafe, reason = "the intrinsic may become safe in later compilers")]
+fn prefetch<T>(value: &T) {
+    use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+    let start = (&raw const *value).cast::<i8>();
+    let mut at = 0;
+    while at < size_of::<T>() {
+        // SAFETY: SSE is part of x86-64; the address lies within the value.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(at)) };
+        at += 64;
+    }
 }

@@ -68,4 +68,8 @@ impl Lanes for Sse2 {
         // SAFETY: SSE2 is part of x86-64.
         unsafe { (_mm_movemask_ps(self.0) | _mm_movemask_ps(self.1) << 4) as u32 }
     }
+    #[inline(always)]
+    fn prefetch<T>(value: &T) {
+        super::prefetch(value);
+    }
 }
