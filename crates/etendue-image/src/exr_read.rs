@@ -5,7 +5,7 @@
 
 use std::io::Cursor;
 
-use exr::block::chunk::Chunk;
+use exr::block::chunk::{Chunk, CompressedBlock, CompressedScanLineBlock, CompressedTileBlock};
 use exr::block::reader::ChunksReader;
 use exr::block::{self, UncompressedBlock};
 use exr::compression::Compression;
@@ -136,7 +136,12 @@ pub(crate) fn decode_rows(
             .map(|c| {
                 // The offset table may point at a chunk that was not asked for.
                 let wanted = want(c.layer_index) && is_full_resolution(&c);
-                wanted.then(|| UncompressedBlock::decompress_chunk(c, &meta, false)).transpose()
+                if wanted {
+                    check_chunk(&meta.headers[c.layer_index], &c.compressed_block)?;
+                    UncompressedBlock::decompress_chunk(c, &meta, false).map(Some)
+                } else {
+                    Ok(None)
+                }
             })
             .collect::<Result<Vec<_>, _>>()
             .map_err(exr_error)?;
@@ -155,8 +160,40 @@ pub(crate) fn decode_rows(
     }
 }
 
+/// Refuses a DWA chunk whose own counters claim more than its pixels need or its bytes can hold: the decompressor
+/// allocates by them.
+fn check_chunk(header: &Header, block: &CompressedBlock) -> Result<(), ExrError> {
+    if !matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
+        return Ok(());
+    }
+    let (CompressedBlock::ScanLine(CompressedScanLineBlock { compressed_pixels_le: bytes, .. })
+    | CompressedBlock::Tile(CompressedTileBlock { compressed_pixels_le: bytes, .. })) = block
+    else {
+        return Ok(());
+    };
+    let size = header.get_absolute_block_pixel_coordinates(header.get_block_data_indices(block)?)?.size;
+    // Data that would not shrink are stored without the counters.
+    if bytes.len() == size.area() * header.channels.bytes_per_pixel {
+        return Ok(());
+    }
+    // Coefficients come in blocks of 8 × 8; no section takes more than eight bytes for a sample.
+    let samples =
+        size.width().next_multiple_of(8) * size.height().next_multiple_of(8) * header.channels.list.len();
+    let most = (8 * samples).min(2 * DEFLATE_RATIO as usize * bytes.len()) as u64 + 64;
+    // The header is eleven 64-bit counters; these five are decompressed sizes.
+    let too_large = |i: usize| {
+        bytes
+            .get(8 * i..8 * i + 8)
+            .is_some_and(|b| b.iter().rev().fold(0, |v, b| v << 8 | u64::from(*b)) > most)
+    };
+    if [1, 6, 7, 8, 9].into_iter().any(too_large) {
+        return Err(ExrError::Invalid("the counters of a DWA chunk are too large".into()));
+    }
+    Ok(())
+}
+
 fn is_full_resolution(c: &Chunk) -> bool {
-    use exr::block::chunk::CompressedBlock::*;
+    use CompressedBlock::*;
     match &c.compressed_block {
         Tile(t) => t.coordinates.is_largest_resolution_level(),
         DeepTile(t) => t.coordinates.is_largest_resolution_level(),

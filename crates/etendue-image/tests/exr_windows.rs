@@ -183,3 +183,26 @@ fn the_sample_windows_show_the_same_picture() {
         }
     }
 }
+
+/// Found by mutation: a DWA chunk says how long its sections are once inflated, and the decompressor took its word (2 TB).
+#[test]
+fn the_counters_of_a_dwa_chunk_are_not_believed() {
+    let picture = Image { width: 1, height: 1, channels: 3, pixels: Pixels::F32(vec![1.0; 3]) };
+    let mut bytes = Vec::new();
+    encode_picture(&mut bytes, PictureFormat::Exr, &picture, &WriteOptions::default()).unwrap();
+    let key = b"compression\0compression\0\x01\0\0\0";
+    let at = bytes.windows(key.len()).position(|w| w == key).unwrap() + key.len();
+    bytes[at] = 8; // DWAA
+    // One chunk of six raw bytes ends the file; in its place eleven counters, one of them absurd.
+    bytes.truncate(bytes.len() - 6 - 4);
+    bytes.extend_from_slice(&88i32.to_le_bytes());
+    let end = bytes.len();
+    for counter in [1, 6, 7, 8, 9] {
+        bytes.truncate(end);
+        for i in 0..11u64 {
+            bytes.extend_from_slice(&(if i == counter { 1u64 << 41 } else { 0 }).to_le_bytes());
+        }
+        let e = decode_environment(&bytes, &DecodeLimits::default()).unwrap_err().to_string();
+        assert!(e.contains("DWA"), "{e}");
+    }
+}
