@@ -48,9 +48,57 @@ impl Fixed {
     }
 }
 
+/// A [`Fixed`] that is being added to by few cheap instructions: what lies in the common range goes to 64 bits.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Running {
+    near: i64,
+    rest: Fixed,
+}
+
+impl Running {
+    /// Terms after which [`Running::take`] must be called: 4096 × 512 × 2⁴¹ just fits.
+    pub const TERMS: u32 = 4096;
+
+    /// Adds a term exactly as [`Fixed::from_f32`] holds it.
+    #[inline(always)]
+    pub fn add(&mut self, v: f32) {
+        const UNITS: f32 = (1u64 << 41) as f32;
+        let a = v.abs();
+        // From 2⁻¹⁸ on the last bit of a float is worth 2⁻⁴¹ or more.
+        if a < 512.0 && (a >= 1.0 / 262_144.0 || a == 0.0) {
+            self.near += (v * UNITS) as i64;
+        } else {
+            self.rest.add(Fixed::from_f32(v));
+        }
+    }
+
+    /// The sum; starts anew.
+    #[inline]
+    pub fn take(&mut self) -> Fixed {
+        let mut sum = std::mem::take(&mut self.rest);
+        sum.add(Fixed(i128::from(std::mem::take(&mut self.near)) << (POINT - 41)));
+        sum
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_quick_sum_is_the_same() {
+        let (mut quick, mut slow) = (Running::default(), Fixed::default());
+        for i in 0..Running::TERMS {
+            let v = [511.99f32, 3.81e-6, 3.82e-6, 0.1, -7.3, 1e9, 1e-9, 0.0, f32::NAN][i as usize % 9]
+                * (1.0 + i as f32 * 1e-7);
+            quick.add(v);
+            slow.add(Fixed::from_f32(v));
+        }
+        assert_eq!(quick.take(), slow);
+        assert_eq!(quick.take(), Fixed(0));
+        (0..Running::TERMS).for_each(|_| quick.add(511.999_97));
+        assert_eq!(quick.take().to_f64(), 4096.0 * f64::from(511.999_97f32));
+    }
 
     #[test]
     fn holds_floats_exactly() {

@@ -7,6 +7,7 @@
 
 mod checkpoint;
 mod distribution;
+mod emission_map;
 mod film;
 mod filter;
 mod fingerprint;
@@ -14,6 +15,7 @@ mod fixed;
 mod ids;
 mod light_tree;
 mod lights;
+mod lookup;
 mod output;
 mod pass;
 mod path;
@@ -28,9 +30,9 @@ pub use distribution::{Distribution1, Distribution2};
 pub use film::{BEAUTY_PLANES, Coverage, Film, MergeError, SampleRanges};
 pub use filter::{Filter, FilterSampler};
 pub use fixed::Fixed;
-pub use pass::{Pass, PassSet};
 pub use ids::name_hash;
 pub use output::id_names;
+pub use pass::{Pass, PassSet};
 pub use path::PathOptions;
 pub use renderer::{Counters, Renderer, Settings};
 pub use sampler::Sampler;

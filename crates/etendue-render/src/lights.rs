@@ -1,16 +1,19 @@
 //! Every light of a scene behind one question: "send me some light to this point".
 
 use crate::distribution::Distribution1;
+use crate::emission_map::EmissionMap;
 use crate::light_tree::{LightBounds, LightTree};
+use crate::lookup::Lookup;
 use crate::sky::Sky;
 use crate::surface::emitted;
-use crate::world::World;
+use crate::world::{MeshData, World};
 use etendue_bxdf::sampling::uniform_triangle;
 use etendue_color::Spectrum;
-use etendue_scene::{Bounds, Light, LightKind};
+use etendue_scene::{Bounds, Light, LightKind, TextureRef};
 use etendue_trace::Hit;
-use glam::Vec3A;
+use glam::{Vec2, Vec3A};
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// Light that may reach a point, if nothing is in between.
 #[derive(Clone, Copy, Debug)]
@@ -54,8 +57,8 @@ pub(crate) struct Lights {
     punctual: Vec<Light>,
     tree: LightTree,
     emitters: Vec<Emitter>,
-    /// Per instance, the emitter of its first triangle, or `NONE`.
-    first_emitter: Vec<u32>,
+    /// Per instance, the emitter of each triangle or `NONE`; empty if all are dark.
+    emitter_of: Vec<Vec<u32>>,
 }
 
 const NONE: u32 = u32::MAX;
@@ -76,7 +79,8 @@ impl Lights {
 
         let mut emitters = Vec::new();
         let mut bounds = Vec::new();
-        let mut first_emitter = vec![NONE; scene.instances.len()];
+        let mut emitter_of = vec![Vec::new(); scene.instances.len()];
+        let mut maps: HashMap<u32, EmissionMap> = HashMap::new();
         for (i, instance) in world.instances.iter().enumerate() {
             let m = &scene.materials[instance.material as usize];
             if !m.is_emissive() || m.unlit {
@@ -86,9 +90,29 @@ impl Lights {
             if emitters.len() + count as usize >= (1 << 31) {
                 break;
             }
-            first_emitter[i] = emitters.len() as u32;
-            emitters.extend((0..count).map(|triangle| Emitter::Triangle { instance: i as u32, triangle }));
-            bounds.par_extend((0..count).into_par_iter().map(|t| triangle_bounds(world, i as u32, t)));
+            let map = m.emissive_texture.as_ref().map(|t| {
+                &*maps.entry(t.texture).or_insert_with(|| {
+                    let texture = &scene.textures[t.texture as usize];
+                    EmissionMap::new(&scene.images[texture.image as usize], texture.sampler)
+                })
+            });
+            let mesh = &world.meshes[instance.mesh as usize];
+            let lit: Vec<u32> = (0..count)
+                .into_par_iter()
+                .filter(|&t| match (map, &m.emissive_texture) {
+                    (Some(map), Some(r)) => map.may_emit(texture_corners(mesh, r, t)),
+                    _ => true,
+                })
+                .collect();
+            if lit.is_empty() {
+                continue;
+            }
+            emitter_of[i] = vec![NONE; count as usize];
+            for &t in &lit {
+                emitter_of[i][t as usize] = emitters.len() as u32;
+                emitters.push(Emitter::Triangle { instance: i as u32, triangle: t });
+            }
+            bounds.par_extend(lit.into_par_iter().map(|t| triangle_bounds(world, i as u32, t)));
         }
         for (i, l) in punctual.iter().enumerate() {
             emitters.push(Emitter::Punctual(i as u32));
@@ -102,7 +126,7 @@ impl Lights {
             directional,
             punctual,
             emitters,
-            first_emitter,
+            emitter_of,
         }
     }
 
@@ -185,15 +209,17 @@ impl Lights {
         }
     }
 
+    /// The light that the triangle is; `None` if it is surely dark.
+    #[inline]
+    pub fn emitter(&self, hit: &Hit) -> Option<u32> {
+        self.emitter_of[hit.instance as usize].get(hit.triangle as usize).copied().filter(|l| *l != NONE)
+    }
+
     /// The density per solid angle with which [`Lights::sample`] draws the point that a ray along `d` met.
     #[inline]
     pub fn hit_pdf(&self, world: &World, choice: &LightChoice, hit: &Hit, d: Vec3A) -> f32 {
-        let first = self.first_emitter[hit.instance as usize];
-        if first == NONE {
-            return 0.0;
-        }
-        let chosen =
-            self.tree.probability(first + hit.triangle, choice.point, choice.normal) * (1.0 - choice.far);
+        let Some(light) = self.emitter(hit) else { return 0.0 };
+        let chosen = self.tree.probability(light, choice.point, choice.normal) * (1.0 - choice.far);
         if chosen <= 0.0 {
             return 0.0;
         }
@@ -208,6 +234,13 @@ impl Lights {
 
 fn brightness(s: Spectrum) -> f32 {
     (s[0] + s[1] + s[2]) * (1.0 / 3.0)
+}
+
+/// Texture coordinates of a triangle's corners as `t` looks them up.
+fn texture_corners(mesh: &MeshData, t: &TextureRef, triangle: u32) -> [Vec2; 3] {
+    let corners = mesh.indices[triangle as usize];
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+        .map(|w| t.transform.transform_point2(mesh.uv(t.uv_set, corners, w)))
 }
 
 fn triangle_bounds(world: &World, instance: u32, triangle: u32) -> LightBounds {
@@ -225,20 +258,19 @@ fn triangle_bounds(world: &World, instance: u32, triangle: u32) -> LightBounds {
         Some(t) => {
             let texture = &world.scene.textures[t.texture as usize];
             let image = &world.scene.images[texture.image as usize];
-            let corners = mesh.indices[triangle as usize];
-            let uv = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-                .map(|w| t.transform.transform_point2(mesh.uv(t.uv_set, corners, w)));
+            let uv = texture_corners(mesh, t, triangle);
             let texels =
                 (uv[1] - uv[0]).perp_dot(uv[2] - uv[0]).abs() * image.width as f32 * image.height as f32;
             (texels.sqrt() as usize).clamp(2, 24)
         }
     };
+    let corners = mesh.indices[triangle as usize];
     let mut sum = Spectrum::ZERO;
     let mut count = 0;
     for y in 0..steps {
         for x in 0..steps - y {
             let (u, v) = ((x as f32 + 1.0 / 3.0) / steps as f32, (y as f32 + 1.0 / 3.0) / steps as f32);
-            sum += emitted(world, m, instance, triangle, [1.0 - u - v, u, v]);
+            sum += emitted(world, m, instance, &mut Lookup::new(corners, [1.0 - u - v, u, v]));
             count += 1;
         }
     }
@@ -281,7 +313,8 @@ fn triangle_sample(
     if projected <= 0.0 {
         return None;
     }
-    let radiance = emitted(world, m, instance, triangle, w);
+    let corners = world.meshes[i.mesh as usize].indices[triangle as usize];
+    let radiance = emitted(world, m, instance, &mut Lookup::new(corners, w));
     Some(LightSample { wi, distance, radiance, pdf: probability * d2 / projected, delta: false })
 }
 

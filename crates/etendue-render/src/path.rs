@@ -37,7 +37,6 @@ pub(crate) struct PathSample {
     pub alpha: f32,
     /// Rays that were traced: closest-hit and any-hit.
     pub rays: [u32; 2],
-    pub layers: Layers,
 }
 
 /// What the passes are made of; filled only if asked for.
@@ -61,7 +60,7 @@ pub(crate) struct Layers {
 /// Dimension sets: the camera has 0; each bounce has two.
 const SETS_PER_BOUNCE: u32 = 2;
 
-/// Traces a path from the camera. `LAYERS` fills [`PathSample::layers`]; `axis` is the camera's unit view direction.
+/// Traces a path from the camera. `LAYERS` fills `layers`; `axis` is the camera's unit view direction.
 pub(crate) fn trace<const LAYERS: bool>(
     world: &World,
     options: &PathOptions,
@@ -69,6 +68,7 @@ pub(crate) fn trace<const LAYERS: bool>(
     origin: Vec3A,
     direction: Vec3A,
     axis: Vec3A,
+    layers: &mut Layers,
 ) -> PathSample {
     let mut out = PathSample::default();
     let mut origin = origin;
@@ -82,6 +82,7 @@ pub(crate) fn trace<const LAYERS: bool>(
 
     // Light found after `bounce` scatterings, worth `light` × `throughput`.
     let add = |out: &mut PathSample,
+               layers: &mut Layers,
                throughput: Spectrum,
                diffuse_part: Spectrum,
                light: Spectrum,
@@ -95,7 +96,7 @@ pub(crate) fn trace<const LAYERS: bool>(
         }
         out.radiance += value;
         if LAYERS && bounces > 0 {
-            let l = &mut out.layers;
+            let l = layers;
             let diffuse = (diffuse_part * light).min(value);
             l.diffuse += diffuse;
             l.specular += value - diffuse;
@@ -113,7 +114,7 @@ pub(crate) fn trace<const LAYERS: bool>(
             world.closest(&ray, key).map(|h| (h, Surface::new(world, &h, direction)))
         };
 
-        let Some((hit, surface)) = hit else {
+        let Some((hit, mut surface)) = hit else {
             if bounce > 0 || options.sky_visible {
                 let (light, weight) = match &last {
                     Some((pdf, choice)) => {
@@ -122,9 +123,9 @@ pub(crate) fn trace<const LAYERS: bool>(
                     }
                     None => (world.lights.sky_radiance(direction), 1.0),
                 };
-                add(&mut out, throughput, diffuse_part, light * weight, bounce);
+                add(&mut out, layers, throughput, diffuse_part, light * weight, bounce);
                 if LAYERS && bounce == 0 {
-                    out.layers.environment = light;
+                    layers.environment = light;
                 }
             }
             return out;
@@ -139,18 +140,18 @@ pub(crate) fn trace<const LAYERS: bool>(
                 }
                 _ => 1.0,
             };
-            add(&mut out, throughput, diffuse_part, emission * weight, bounce);
+            add(&mut out, layers, throughput, diffuse_part, emission * weight, bounce);
         }
         if bounce == 0 {
             out.alpha = 1.0;
             if LAYERS {
-                out.layers.emission = emission;
-                record_geometry(&mut out.layers, &hit, &surface, surface.point - origin, axis);
+                layers.emission = emission;
+                record_geometry(layers, &hit, &surface, surface.point - origin, axis);
             }
         }
         if material.unlit {
             if LAYERS && bounce == 0 {
-                out.layers.albedo = emission;
+                layers.albedo = emission;
             }
             return out;
         }
@@ -161,7 +162,7 @@ pub(crate) fn trace<const LAYERS: bool>(
         let closure = surface.closure(world, &hit);
         let wo = surface.frame.transpose() * -direction;
         if LAYERS && bounce == 0 {
-            out.layers.albedo = closure.albedo(wo);
+            layers.albedo = closure.albedo(wo);
             if options.bounces == 0 {
                 return out;
             }
@@ -190,7 +191,7 @@ pub(crate) fn trace<const LAYERS: bool>(
                         let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, e.pdf) };
                         let scale = light.radiance * (wi.z * weight / light.pdf);
                         let part = if bounce == 0 { e.diffuse } else { diffuse_part * e.value() };
-                        add(&mut out, throughput * e.value(), part, scale, bounce + 1);
+                        add(&mut out, layers, throughput * e.value(), part, scale, bounce + 1);
                     }
                 }
             }

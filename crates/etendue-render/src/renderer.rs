@@ -2,12 +2,13 @@
 
 use crate::film::{BEAUTY_PLANES, Film};
 use crate::filter::{Filter, FilterSampler};
+use crate::fixed::Running;
 use crate::path::{Layers, PathOptions, PathSample, trace};
 use crate::sampler::Sampler;
 use crate::world::World;
 use crate::{Coverage, Fixed, Pass, PassSet};
 use etendue_color::Spectrum;
-use etendue_scene::Camera;
+use etendue_scene::{Camera, CameraRays};
 use glam::Vec3A;
 use rayon::prelude::*;
 use std::sync::Mutex;
@@ -65,6 +66,7 @@ impl Counters {
 pub struct Renderer<'a> {
     world: &'a World,
     camera: Camera,
+    rays: CameraRays,
     settings: Settings,
     filter: FilterSampler,
     hashes: [Vec<u32>; 2],
@@ -86,7 +88,8 @@ impl<'a> Renderer<'a> {
         } else {
             [Vec::new(), Vec::new()]
         };
-        Self { world, camera, settings, filter, hashes }
+        let rays = camera.rays(settings.width as f32 / settings.height as f32);
+        Self { world, camera, rays, settings, filter, hashes }
     }
 
     /// The settings that it was made with.
@@ -111,21 +114,20 @@ impl<'a> Renderer<'a> {
 
     /// One sample of one pixel: linear radiance and whether a surface was seen. A pure function of its arguments.
     pub fn sample(&self, x: u32, y: u32, index: u32) -> (Spectrum, f32) {
-        let s = self.path::<false>(x, y, index);
+        let s = self.path::<false>(x, y, index, &mut Layers::default());
         (s.radiance, s.alpha)
     }
 
     #[inline]
-    fn path<const LAYERS: bool>(&self, x: u32, y: u32, index: u32) -> PathSample {
+    fn path<const LAYERS: bool>(&self, x: u32, y: u32, index: u32, layers: &mut Layers) -> PathSample {
         let s = &self.settings;
         let sampler = Sampler::new(s.seed, x, y, index);
         let [u0, u1, ..] = sampler.get4(0);
         let (dx, dy) = (self.filter.sample(u0), self.filter.sample(u1));
         let (w, h) = (s.width as f32, s.height as f32);
         let ndc = [(x as f32 + 0.5 + dx) / w * 2.0 - 1.0, 1.0 - (y as f32 + 0.5 + dy) / h * 2.0];
-        let (origin, direction) = self.camera.ray(ndc, w / h);
-        let axis = -self.camera.transform.matrix3.z_axis;
-        trace::<LAYERS>(self.world, &s.path, &sampler, origin, direction, axis)
+        let (origin, direction) = self.rays.ray(ndc);
+        trace::<LAYERS>(self.world, &s.path, &sampler, origin, direction, self.rays.axis, layers)
     }
 
     /// Takes the samples `from..to` of every pixel and adds them to `film`, on all threads of the current pool.
@@ -170,8 +172,16 @@ impl<'a> Renderer<'a> {
         }
         for (i, sums) in t.sums.chunks_exact_mut(stride).enumerate() {
             let (x, y) = (at[0] + i as u32 % size[0], at[1] + i as u32 / size[0]);
+            let mut beauty = [Running::default(); BEAUTY_PLANES];
+            let mut layers = Layers::default();
             for index in from..to {
-                let mut s = self.path::<LAYERS>(x, y, index);
+                if LAYERS {
+                    layers = Layers::default();
+                }
+                if (index - from) % Running::TERMS == Running::TERMS - 1 {
+                    flush(&mut beauty, sums);
+                }
+                let mut s = self.path::<LAYERS>(x, y, index, &mut layers);
                 t.rays[0] += u64::from(s.rays[0]);
                 t.rays[1] += u64::from(s.rays[1]);
                 if !s.radiance.is_finite() {
@@ -180,12 +190,12 @@ impl<'a> Renderer<'a> {
                 }
                 let l = s.radiance.luminance();
                 let [r, g, b, _] = s.radiance.0;
-                for (sum, v) in sums.iter_mut().zip([r, g, b, s.alpha, l * l]) {
-                    sum.add(Fixed::from_f32(v));
+                for (sum, v) in beauty.iter_mut().zip([r, g, b, s.alpha, l * l]) {
+                    sum.add(v);
                 }
                 if LAYERS {
-                    add_layers(&mut sums[BEAUTY_PLANES..], passes, &s.layers);
-                    if let Some((instance, material)) = s.layers.seen {
+                    add_layers(&mut sums[BEAUTY_PLANES..], passes, &layers);
+                    if let Some((instance, material)) = layers.seen {
                         for (kind, index) in [instance, material].into_iter().enumerate() {
                             if let Some(c) = t.ids[kind].get_mut(i) {
                                 *c.entry(self.hashes[kind][index as usize]).or_default() += 1;
@@ -194,8 +204,15 @@ impl<'a> Renderer<'a> {
                     }
                 }
             }
+            flush(&mut beauty, sums);
         }
         t
+    }
+}
+
+fn flush(beauty: &mut [Running], sums: &mut [Fixed]) {
+    for (sum, part) in sums.iter_mut().zip(beauty) {
+        sum.add(part.take());
     }
 }
 

@@ -101,7 +101,12 @@ impl Sky {
         let (p, density) = self.distribution.as_ref()?.sample(u);
         let (sin_theta, cos_theta) = sin_cos_tau(p[1] * 0.5);
         let mut a = p[0] - 0.5 - self.turn;
-        a -= a.floor();
+        if a < 0.0 {
+            a += 1.0;
+        }
+        if a < 0.0 {
+            a += 1.0;
+        }
         let (sin_phi, cos_phi) = sin_cos_tau(a);
         if sin_theta <= 0.0 || density <= 0.0 {
             return None;
@@ -116,14 +121,16 @@ impl Sky {
     #[inline]
     fn coordinates(&self, d: Vec3A) -> (f32, f32) {
         let u = atan2_turns(d.z, d.x) + 0.5 + self.turn;
-        (u - u.floor(), acos(d.y.clamp(-1.0, 1.0)) * FRAC_1_PI)
+        // Between 0 and 2: at most one turn too far.
+        (if u >= 1.0 { u - 1.0 } else { u }, acos(d.y) * FRAC_1_PI)
     }
 
     #[inline]
     fn bilinear(&self, u: f32, v: f32) -> Spectrum {
         let (x, y) = (u * self.width as f32 - 0.5, v * self.height as f32 - 0.5);
-        let (fx, fy) = (x.floor(), y.floor());
-        let (tx, ty) = (x - fx, y - fy);
+        // Truncation of what is at least 0 is the floor; the baseline x86-64 has no instruction for the floor itself.
+        let (ix, iy) = ((x + 1.0) as i32 - 1, (y + 1.0) as i32 - 1);
+        let (tx, ty) = (x - ix as f32, y - iy as f32);
         let (w, h) = (self.width as i32, self.height as i32);
         let wrap = |i: i32| {
             (if i < 0 {
@@ -134,9 +141,9 @@ impl Sky {
                 i
             }) as usize
         };
-        let (x0, x1) = (wrap(fx as i32), wrap(fx as i32 + 1));
+        let (x0, x1) = (wrap(ix), wrap(ix + 1));
         let row = |i: i32| i.clamp(0, h - 1) as usize * self.width;
-        let (y0, y1) = (row(fy as i32), row(fy as i32 + 1));
+        let (y0, y1) = (row(iy), row(iy + 1));
         let t = |i: usize| self.texels[i];
         (t(y0 + x0) * (1.0 - tx) + t(y0 + x1) * tx) * (1.0 - ty)
             + (t(y1 + x0) * (1.0 - tx) + t(y1 + x1) * tx) * ty

@@ -1,5 +1,6 @@
 //! A hit becomes a surface: where it is, how it is turned, what it is made of.
 
+use crate::lookup::Lookup;
 use crate::world::World;
 use etendue_bxdf::sampling::basis;
 use etendue_bxdf::{MetalRough, MetalRoughParams};
@@ -24,7 +25,7 @@ pub(crate) struct Surface {
     /// First texture coordinate.
     pub uv: Vec2,
     pub material: u32,
-    weights: [f32; 3],
+    lookup: Lookup,
 }
 
 impl Surface {
@@ -49,6 +50,7 @@ impl Surface {
         let uv = if mesh.has_uv { a.uv * w[0] + b.uv * w[1] + c.uv * w[2] } else { Vec2::ZERO };
         let mut lifted = point;
         let mut normal = geometric;
+        let mut lookup = Lookup::new(corners, w);
         let mut tangent = None;
         let material = &world.scene.materials[instance.material as usize];
         if mesh.has_normals {
@@ -67,7 +69,7 @@ impl Surface {
                     // All three axes turn over on the back, as in glTF's reference implementation.
                     let front_normal = smooth * side;
                     let bitangent = front_normal.cross(t) * sign;
-                    let s = world.texture(&map.texture, mesh, corners, w, false);
+                    let s = lookup.linear(world, mesh, &map.texture);
                     let m = Vec3A::new(
                         (s.x * 2.0 - 1.0) * map.scale,
                         (s.y * 2.0 - 1.0) * map.scale,
@@ -88,42 +90,41 @@ impl Surface {
             front,
             uv,
             material: instance.material,
-            weights: w,
+            lookup,
         }
     }
 
     /// The material's emitted radiance here, zero on the back of a one-sided surface; for an unlit surface its colour.
     #[inline]
-    pub fn emission(&self, world: &World, hit: &Hit) -> Spectrum {
+    pub fn emission(&mut self, world: &World, hit: &Hit) -> Spectrum {
         let m = &world.scene.materials[self.material as usize];
         if m.unlit {
             return self.base_color(world, hit, m);
         }
-        if !m.is_emissive() || !(self.front || m.double_sided) {
+        if !m.is_emissive() || !(self.front || m.double_sided) || world.lights.emitter(hit).is_none() {
             return Spectrum::ZERO;
         }
-        emitted(world, m, hit.instance, hit.triangle, self.weights)
+        emitted(world, m, hit.instance, &mut self.lookup)
     }
 
     /// How the surface scatters.
     #[inline]
-    pub fn closure(&self, world: &World, hit: &Hit) -> MetalRough {
+    pub fn closure(&mut self, world: &World, hit: &Hit) -> MetalRough {
         let m = &world.scene.materials[self.material as usize];
         let mesh = &world.meshes[world.instances[hit.instance as usize].mesh as usize];
-        let corners = mesh.indices[hit.triangle as usize];
         let (mut metallic, mut roughness) = (m.metallic, m.roughness);
         if let Some(t) = &m.metallic_roughness_texture {
-            let s = world.texture(t, mesh, corners, self.weights, false);
+            let s = self.lookup.linear(world, mesh, t);
             roughness *= s.y;
             metallic *= s.z;
         }
         let mut specular = m.specular;
         if let Some(t) = &m.specular_texture {
-            specular *= world.texture(t, mesh, corners, self.weights, false).w;
+            specular *= self.lookup.linear(world, mesh, t).w;
         }
         let mut specular_color = m.specular_color;
         if let Some(t) = &m.specular_color_texture {
-            specular_color *= world.texture(t, mesh, corners, self.weights, true).truncate();
+            specular_color *= self.lookup.srgb(world, mesh, t).truncate();
         }
         MetalRough::new(&MetalRoughParams {
             base_color: self.base_color(world, hit, m),
@@ -135,16 +136,13 @@ impl Surface {
         })
     }
 
-    fn base_color(&self, world: &World, hit: &Hit, m: &Material) -> Spectrum {
+    fn base_color(&mut self, world: &World, hit: &Hit, m: &Material) -> Spectrum {
         let mesh = &world.meshes[world.instances[hit.instance as usize].mesh as usize];
-        let corners = mesh.indices[hit.triangle as usize];
         let mut c = m.base_color;
         if let Some(t) = &m.base_color_texture {
-            c *= world.texture(t, mesh, corners, self.weights, true).truncate();
+            c *= self.lookup.srgb(world, mesh, t).truncate();
         }
-        if !mesh.colors.is_empty() {
-            c *= mesh.mix(&mesh.colors, corners, self.weights).truncate();
-        }
+        c *= self.lookup.vertex_color(mesh).truncate();
         Spectrum::from_rgb(c.clamp(glam::Vec3::ZERO, glam::Vec3::ONE).to_array())
     }
 
@@ -159,11 +157,11 @@ impl Surface {
 
 /// Radiance that a point of an emissive triangle sends out.
 #[inline]
-pub(crate) fn emitted(world: &World, m: &Material, instance: u32, triangle: u32, w: [f32; 3]) -> Spectrum {
+pub(crate) fn emitted(world: &World, m: &Material, instance: u32, lookup: &mut Lookup) -> Spectrum {
     let mut e = m.emissive;
     if let Some(t) = &m.emissive_texture {
         let mesh = &world.meshes[world.instances[instance as usize].mesh as usize];
-        e *= world.texture(t, mesh, mesh.indices[triangle as usize], w, true).truncate();
+        e *= lookup.srgb(world, mesh, t).truncate();
     }
     Spectrum::from_rgb(e.to_array())
 }

@@ -1,11 +1,14 @@
 //! The scene made ready for rays: acceleration structure, interleaved vertices, lights.
 
 use crate::lights::Lights;
+use crate::lookup::Lookup;
 use crate::sampler::{hash, unit};
-use etendue_scene::{AlphaMode, InvalidScene, Material, Scene, TextureRef};
+use etendue_image::{Image, Pixels};
+use etendue_scene::{AlphaMode, InvalidScene, Material, Scene};
 use etendue_trace::{Accel, Hit, Ray};
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// One vertex, all that shading needs of it in 48 bytes, so that a hit touches few cache lines.
 #[derive(Clone, Copy, Debug)]
@@ -90,6 +93,7 @@ impl World {
                 }
             })
             .collect();
+        scene.images.par_iter_mut().for_each(with_four_channels);
         let meshes = scene.meshes.par_iter_mut().map(MeshData::take).collect();
         let bounds = accel.bounds();
         let mut world = Self {
@@ -139,13 +143,10 @@ impl World {
         let m = &self.scene.materials[i.material as usize];
         let mesh = &self.meshes[i.mesh as usize];
         let corners = mesh.indices[triangle as usize];
-        let w = [1.0 - u - v, u, v];
-        let mut alpha = m.alpha;
+        let mut lookup = Lookup::new(corners, [1.0 - u - v, u, v]);
+        let mut alpha = m.alpha * lookup.vertex_color(mesh).w;
         if let Some(t) = &m.base_color_texture {
-            alpha *= self.texture(t, mesh, corners, w, false).w;
-        }
-        if !mesh.colors.is_empty() {
-            alpha *= mesh.mix(&mesh.colors, corners, w).w;
+            alpha *= lookup.linear(self, mesh, t).w;
         }
         match m.alpha_mode {
             AlphaMode::Opaque => true,
@@ -166,22 +167,6 @@ impl World {
         self.accel.any(ray, &|i, t, u, v| self.accepts(key, i, t, u, v))
     }
 
-    /// A texture at a point of a triangle; `srgb` decodes colour.
-    #[inline]
-    pub(crate) fn texture(
-        &self,
-        t: &TextureRef,
-        mesh: &MeshData,
-        corners: [u32; 3],
-        w: [f32; 3],
-        srgb: bool,
-    ) -> Vec4 {
-        let uv = t.transform.transform_point2(mesh.uv(t.uv_set, corners, w));
-        let texture = &self.scene.textures[t.texture as usize];
-        let image = &self.scene.images[texture.image as usize];
-        if srgb { texture.sample_srgb(image, uv) } else { texture.sample_linear(image, uv) }
-    }
-
     /// The three corners of a triangle in world space.
     #[inline]
     pub(crate) fn corners(&self, instance: u32, triangle: u32) -> [Vec3A; 3] {
@@ -190,6 +175,17 @@ impl World {
         mesh.indices[triangle as usize]
             .map(|k| i.to_world.transform_point3a(mesh.vertices[k as usize].position.into()))
     }
+}
+
+/// Gives an eight-bit image four channels, which are quicker to look up.
+fn with_four_channels(image: &mut Arc<Image>) {
+    let (Pixels::U8(p), n @ 1..=3) = (&image.pixels, image.channels) else { return };
+    let pixels = match n {
+        1 => p.iter().flat_map(|&g| [g, g, g, 255]).collect(),
+        2 => p.as_chunks::<2>().0.iter().flat_map(|&[g, a]| [g, g, g, a]).collect(),
+        _ => p.as_chunks::<3>().0.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect(),
+    };
+    *image = Arc::new(Image { channels: 4, pixels: Pixels::U8(pixels), ..**image });
 }
 
 impl MeshData {
@@ -219,12 +215,6 @@ impl MeshData {
             has_normals,
             has_tangents,
         }
-    }
-
-    #[inline]
-    pub(crate) fn mix(&self, values: &[Vec4], corners: [u32; 3], w: [f32; 3]) -> Vec4 {
-        let [a, b, c] = corners.map(|k| values[k as usize]);
-        a * w[0] + b * w[1] + c * w[2]
     }
 
     /// Texture coordinate of set `set` at barycentric `w`; (0, 0) if there is no such set.

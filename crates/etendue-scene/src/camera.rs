@@ -58,19 +58,51 @@ impl Camera {
         Self::look_at(center + direction * distance, center, Vec3::Y, yfov)
     }
 
-    /// Ray through the picture at `ndc`, x and y in −1..1 (y up), of a picture `aspect` wide: origin and unit direction.
+    /// The camera's rays for a picture `aspect` times as wide as high.
+    pub fn rays(&self, aspect: f32) -> CameraRays {
+        let m = &self.transform.matrix3;
+        let (half, perspective) = match self.projection {
+            Projection::Perspective { yfov } => ((yfov * 0.5).tan(), true),
+            Projection::Orthographic { ymag } => (ymag, false),
+        };
+        CameraRays {
+            origin: self.transform.translation,
+            axis: -m.z_axis,
+            across: m.x_axis * (half * aspect),
+            up: m.y_axis * half,
+            perspective,
+        }
+    }
+}
+
+/// A camera made ready to send out rays.
+///
+/// ```
+/// use etendue_scene::Camera;
+/// use glam::{Vec3, Vec3A};
+/// let camera = Camera::look_at(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, Vec3::Y, 1.0);
+/// let (origin, direction) = camera.rays(16.0 / 9.0).ray([0.0, 0.0]);
+/// assert_eq!((origin, direction), (Vec3A::new(0.0, 0.0, 3.0), Vec3A::NEG_Z));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraRays {
+    origin: Vec3A,
+    /// Unit direction of view.
+    pub axis: Vec3A,
+    across: Vec3A,
+    up: Vec3A,
+    perspective: bool,
+}
+
+impl CameraRays {
+    /// The ray through the picture at `ndc`, x and y in −1..1 (y up): origin and unit direction.
     #[inline]
-    pub fn ray(&self, ndc: [f32; 2], aspect: f32) -> (Vec3A, Vec3A) {
-        match self.projection {
-            Projection::Perspective { yfov } => {
-                let h = (yfov * 0.5).tan();
-                let d = Vec3A::new(ndc[0] * h * aspect, ndc[1] * h, -1.0).normalize();
-                (self.transform.translation, self.transform.matrix3 * d)
-            }
-            Projection::Orthographic { ymag } => {
-                let o = Vec3A::new(ndc[0] * ymag * aspect, ndc[1] * ymag, 0.0);
-                (self.transform.transform_point3a(o), self.transform.matrix3 * Vec3A::NEG_Z)
-            }
+    pub fn ray(&self, ndc: [f32; 2]) -> (Vec3A, Vec3A) {
+        let offset = self.across * ndc[0] + self.up * ndc[1];
+        if self.perspective {
+            (self.origin, (self.axis + offset).normalize())
+        } else {
+            (self.origin + offset, self.axis)
         }
     }
 }

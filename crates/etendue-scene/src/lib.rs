@@ -12,12 +12,12 @@ mod material;
 mod mesh;
 mod texture;
 
-pub use camera::{Camera, Projection};
+pub use camera::{Camera, CameraRays, Projection};
 pub use environment::Environment;
 pub use light::{Light, LightKind};
 pub use material::{AlphaMode, Material, NormalTexture};
 pub use mesh::{Instance, Mesh};
-pub use texture::{Filter, Sampler, Texture, TextureRef, Wrap};
+pub use texture::{Filter, Footprint, Sampler, Texture, TextureRef, Wrap};
 
 mod scene;
 pub use scene::{Bounds, InvalidScene, Scene};

@@ -1,5 +1,6 @@
 //! Textures: an image, how it repeats, and how a material refers to it.
 
+use etendue_color::{srgb_decode, srgb8_decode};
 use etendue_image::{Image, Pixels};
 use glam::{Affine2, Vec2, Vec4};
 use std::sync::LazyLock;
@@ -64,22 +65,27 @@ impl TextureRef {
     }
 }
 
-/// IEC 61966-2-1 decoding of the 256 eight-bit code values.
-static SRGB8: LazyLock<[f32; 256]> = LazyLock::new(|| {
-    std::array::from_fn(|i| {
-        let c = i as f64 / 255.0;
-        (if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }) as f32
-    })
-});
-
-fn srgb_decode(c: f32) -> f32 {
-    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
-}
+/// sRGB decoding of the 256 eight-bit code values.
+static SRGB8: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|i| srgb8_decode(i as u8)));
 
 impl Wrap {
-    /// Texel `i` of a row of `n ≥ 1`.
+    /// Brings a far coordinate to where a float still tells texels apart and an `i32` holds them; not a number is 0.
     #[inline]
-    fn apply(self, i: i32, n: i32) -> u32 {
+    fn reduce(self, u: f32) -> f32 {
+        if u.abs() < 1024.0 {
+            u
+        } else if !u.is_finite() {
+            0.0
+        } else if self == Self::Clamp {
+            u.clamp(-1.0, 2.0)
+        } else {
+            u.rem_euclid(2.0)
+        }
+    }
+
+    /// The texel that stands for texel `i` of a row of `n ≥ 1`.
+    #[inline]
+    pub fn apply(self, i: i32, n: i32) -> u32 {
         (match self {
             Wrap::Repeat => {
                 if (0..n).contains(&i) {
@@ -97,82 +103,109 @@ impl Wrap {
     }
 }
 
-impl Texture {
-    /// RGBA at `uv`, colour channels decoded from sRGB to linear. Grey images give equal channels; no alpha is 1.
+/// Where a lookup falls in an image: four texels and their weights. Images of one size that are looked up at one place in one
+/// way (a material's base colour, roughness, normal …) share it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footprint {
+    /// Pixel numbers, `y × width + x`.
+    pub texels: [usize; 4],
+    /// Their weights; they add up to 1.
+    pub weights: [f32; 4],
+}
+
+impl Footprint {
+    /// The texels of an image of `width × height` pixels about `uv`.
     #[inline]
-    pub fn sample_srgb(&self, image: &Image, uv: Vec2) -> Vec4 {
-        self.filtered(image, uv, |x, y| texel::<true>(image, x, y))
+    pub fn new(sampler: &Sampler, width: u32, height: u32, uv: Vec2) -> Self {
+        let (w, h) = (width as i32, height as i32);
+        let p = Vec2::new(sampler.wrap_u.reduce(uv.x) * w as f32, sampler.wrap_v.reduce(uv.y) * h as f32);
+        if sampler.filter == Filter::Nearest {
+            let (x, y) = (floor(p.x), floor(p.y));
+            let i =
+                sampler.wrap_v.apply(y, h) as usize * width as usize + sampler.wrap_u.apply(x, w) as usize;
+            return Self { texels: [i; 4], weights: [1.0, 0.0, 0.0, 0.0] };
+        }
+        let p = p - 0.5;
+        let (x, y) = (floor(p.x), floor(p.y));
+        let (tx, ty) = (p.x - x as f32, p.y - y as f32);
+        let (x0, x1) = (sampler.wrap_u.apply(x, w) as usize, sampler.wrap_u.apply(x + 1, w) as usize);
+        let row = |y| sampler.wrap_v.apply(y, h) as usize * width as usize;
+        let (y0, y1) = (row(y), row(y + 1));
+        let (sx, sy) = (1.0 - tx, 1.0 - ty);
+        Self { texels: [y0 + x0, y0 + x1, y1 + x0, y1 + x1], weights: [sx * sy, tx * sy, sx * ty, tx * ty] }
     }
 
-    /// RGBA at `uv` as stored (data: normals, roughness …).
+    /// RGBA of `image` here, colour channels decoded from sRGB to linear. Grey images give equal channels; no alpha is 1.
     #[inline]
-    pub fn sample_linear(&self, image: &Image, uv: Vec2) -> Vec4 {
-        self.filtered(image, uv, |x, y| texel::<false>(image, x, y))
+    pub fn srgb(&self, image: &Image) -> Vec4 {
+        self.gather::<true>(image)
+    }
+
+    /// RGBA of `image` here as stored (data: normals, roughness …).
+    #[inline]
+    pub fn linear(&self, image: &Image) -> Vec4 {
+        self.gather::<false>(image)
     }
 
     #[inline(always)]
-    fn filtered(&self, image: &Image, uv: Vec2, texel: impl Fn(u32, u32) -> Vec4) -> Vec4 {
-        let (w, h) = (image.width as i32, image.height as i32);
-        let s = &self.sampler;
-        let p = reduce(uv) * Vec2::new(w as f32, h as f32);
-        if s.filter == Filter::Nearest {
-            let f = p.floor();
-            return texel(s.wrap_u.apply(f.x as i32, w), s.wrap_v.apply(f.y as i32, h));
+    fn gather<const SRGB: bool>(&self, image: &Image) -> Vec4 {
+        if let (Pixels::U8(p), 4) = (&image.pixels, image.channels) {
+            let p = p.as_chunks::<4>().0;
+            let mut sum = Vec4::ZERO;
+            for (i, w) in self.texels.iter().zip(self.weights) {
+                sum += rgba8::<SRGB>(p[*i]) * w;
+            }
+            return if SRGB { sum } else { sum * (1.0 / 255.0) };
         }
-        let p = p - 0.5;
-        let f = p.floor();
-        let t = p - f;
-        let (x, y) = (f.x as i32, f.y as i32);
-        let (x0, x1) = (s.wrap_u.apply(x, w), s.wrap_u.apply(x + 1, w));
-        let (y0, y1) = (s.wrap_v.apply(y, h), s.wrap_v.apply(y + 1, h));
-        let top = texel(x0, y0) * (1.0 - t.x) + texel(x1, y0) * t.x;
-        let bottom = texel(x0, y1) * (1.0 - t.x) + texel(x1, y1) * t.x;
-        top * (1.0 - t.y) + bottom * t.y
+        self.gather_other::<SRGB>(image)
+    }
+
+    #[inline(never)]
+    fn gather_other<const SRGB: bool>(&self, image: &Image) -> Vec4 {
+        let mut sum = Vec4::ZERO;
+        for (i, w) in self.texels.iter().zip(self.weights) {
+            if w != 0.0 {
+                sum += texel::<SRGB>(image, *i) * w;
+            }
+        }
+        sum
     }
 }
 
-/// Brings far coordinates into a range where a float still tells texels apart and an `i32` holds them. All wrap modes
-/// have period 2 or saturate outside it.
-#[inline]
-fn reduce(uv: Vec2) -> Vec2 {
-    if uv.abs().max_element() < 1024.0 {
-        uv
-    } else if uv.is_finite() {
-        uv.rem_euclid(Vec2::splat(2.0))
-    } else {
-        Vec2::ZERO
+impl Texture {
+    /// RGBA at `uv`, colour channels decoded from sRGB to linear: [`Footprint::srgb`].
+    #[inline]
+    pub fn sample_srgb(&self, image: &Image, uv: Vec2) -> Vec4 {
+        Footprint::new(&self.sampler, image.width, image.height, uv).srgb(image)
+    }
+
+    /// RGBA at `uv` as stored: [`Footprint::linear`].
+    #[inline]
+    pub fn sample_linear(&self, image: &Image, uv: Vec2) -> Vec4 {
+        Footprint::new(&self.sampler, image.width, image.height, uv).linear(image)
     }
 }
 
+/// Largest integer not above `x`, for |x| < 2³¹. The baseline x86-64 has no instruction for `f32::floor`.
 #[inline(always)]
-fn texel<const SRGB: bool>(image: &Image, x: u32, y: u32) -> Vec4 {
-    let i = y as usize * image.width as usize + x as usize;
-    match (&image.pixels, image.channels) {
-        (Pixels::U8(p), 4) => {
-            let c = &p[i * 4..i * 4 + 4];
-            rgba8::<SRGB>([c[0], c[1], c[2], c[3]])
-        }
-        (Pixels::U8(p), 3) => {
-            let c = &p[i * 3..i * 3 + 3];
-            rgba8::<SRGB>([c[0], c[1], c[2], 255])
-        }
-        _ => texel_slow::<SRGB>(image, x, y),
-    }
+fn floor(x: f32) -> i32 {
+    let i = x as i32;
+    i - i32::from((i as f32) > x)
 }
 
+/// Four bytes as floats; alpha and data still need a division by 255, sRGB colours are done.
 #[inline(always)]
 fn rgba8<const SRGB: bool>(c: [u8; 4]) -> Vec4 {
-    const N: f32 = 1.0 / 255.0;
     if SRGB {
         let t = &*SRGB8;
-        Vec4::new(t[c[0] as usize], t[c[1] as usize], t[c[2] as usize], c[3] as f32 * N)
+        Vec4::new(t[c[0] as usize], t[c[1] as usize], t[c[2] as usize], c[3] as f32 * (1.0 / 255.0))
     } else {
-        Vec4::new(c[0] as f32, c[1] as f32, c[2] as f32, c[3] as f32) * N
+        Vec4::new(c[0] as f32, c[1] as f32, c[2] as f32, c[3] as f32)
     }
 }
 
-#[inline(never)]
-fn texel_slow<const SRGB: bool>(image: &Image, x: u32, y: u32) -> Vec4 {
+fn texel<const SRGB: bool>(image: &Image, i: usize) -> Vec4 {
+    let (x, y) = ((i % image.width as usize) as u32, (i / image.width as usize) as u32);
     let s = |c| image.sample(x, y, c);
     let v = match image.channels {
         1 => Vec4::new(s(0), s(0), s(0), 1.0),
@@ -205,7 +238,11 @@ mod tests {
             [at(Wrap::Repeat, -0.25), at(Wrap::Clamp, -0.25), at(Wrap::Mirror, -0.25)],
             [1.0, 0.0, 0.0]
         );
-        assert_eq!([at(Wrap::Mirror, 1.25), at(Wrap::Clamp, 7.0), at(Wrap::Mirror, -1.25)], [1.0, 1.0, 1.0]);
+        assert_eq!([at(Wrap::Mirror, 1.25), at(Wrap::Clamp, 7.0), at(Wrap::Clamp, 1e9)], [1.0, 1.0, 1.0]);
+        assert_eq!(
+            [at(Wrap::Mirror, -1.25), at(Wrap::Clamp, -1e9), at(Wrap::Clamp, f32::MAX)],
+            [1.0, 0.0, 1.0]
+        );
     }
 
     #[test]

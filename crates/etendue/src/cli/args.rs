@@ -42,7 +42,13 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "SKY", help_heading = "Scene")]
     pub env: Option<String>,
     /// Turn the sky about the vertical, degrees, counter-clockwise from above
-    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true, help_heading = "Scene")]
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        help_heading = "Scene"
+    )]
     pub env_rotation: f32,
     /// Multiply the sky
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = non_negative, help_heading = "Scene")]
@@ -216,7 +222,8 @@ pub(crate) struct BenchArgs {
 pub(crate) struct Vec3Arg(pub [f32; 3]);
 
 fn numbers<const N: usize>(s: &str) -> Option<[f32; N]> {
-    let v: Vec<f32> = s.split(',').map(|p| p.trim().parse().ok().filter(|v: &f32| v.is_finite())).collect::<Option<_>>()?;
+    let v: Vec<f32> =
+        s.split(',').map(|p| p.trim().parse().ok().filter(|v: &f32| v.is_finite())).collect::<Option<_>>()?;
     v.try_into().ok()
 }
 
@@ -325,7 +332,16 @@ mod tests {
 
     #[test]
     fn arguments_survive_the_film() {
-        let cli = Cli::parse_from(["etendue", "render", "a.glb", "--eye=-1,2,3", "--passes", "depth", "--curve", "agx"]);
+        let cli = Cli::parse_from([
+            "etendue",
+            "render",
+            "a.glb",
+            "--eye=-1,2,3",
+            "--passes",
+            "depth",
+            "--curve",
+            "agx",
+        ]);
         let Some(Command::Render(a)) = cli.command else { panic!("not render") };
         let text = serde_json::to_string(&a).unwrap();
         let b: RenderArgs = serde_json::from_str(&text).unwrap();

@@ -18,7 +18,9 @@ const SIDE: u32 = 512;
 pub(crate) fn run(args: &BenchArgs) -> Result<(), CliError> {
     let scenes = all(args.filter.as_deref().unwrap_or(""))?;
     if scenes.is_empty() {
-        return Err(CliError::Usage("no scene has that name; there are helmet, room, soup, lights, forest".into()));
+        return Err(CliError::Usage(
+            "no scene has that name; there are helmet, room, soup, lights, forest".into(),
+        ));
     }
     let mut report = Vec::new();
     for scene in scenes {
@@ -43,10 +45,20 @@ fn measure(mut b: BenchScene, seconds: f64, quiet: bool) -> Result<Value, CliErr
     };
     let triangles = b.scene.triangle_count();
     let world = World::new(std::mem::take(&mut b.scene))?;
-    print(&format!("\n{} ({}): {} triangles, {} lights", b.name, b.what, count(triangles as f64), world.light_count()));
+    print(&format!(
+        "\n{} ({}): {} triangles, {} lights",
+        b.name,
+        b.what,
+        count(triangles as f64),
+        world.light_count()
+    ));
     let build = world.accel_seconds();
     let memory = world.accel().bytes();
-    print(&format!("  build {build:.3} s, lights and layout {:.3} s; tree {} MiB", world.light_seconds(), memory >> 20));
+    print(&format!(
+        "  build {build:.3} s, lights and layout {:.3} s; tree {} MiB",
+        world.light_seconds(),
+        memory >> 20
+    ));
 
     let sets = RaySets::new(&world, &b.camera);
     let mut rays = serde_json::Map::new();
@@ -57,9 +69,8 @@ fn measure(mut b: BenchScene, seconds: f64, quiet: bool) -> Result<Value, CliErr
         ("any, incoherent", true, &sets.bounce),
     ] {
         let one = rate(seconds * 0.5, || trace(&world, set, any)) * set.len() as f64;
-        let all = rate(seconds * 0.5, || {
-            set.par_chunks(1 << 12).map(|c| trace(&world, c, any)).sum()
-        }) * set.len() as f64;
+        let all = rate(seconds * 0.5, || set.par_chunks(1 << 12).map(|c| trace(&world, c, any)).sum())
+            * set.len() as f64;
         print(&format!("  {name:<20} {:>10}rays/s on 1 thread, {:>10}rays/s on all", count(one), count(all)));
         rays.insert(name.into(), json!({ "one": one, "all": all }));
     }
@@ -87,11 +98,12 @@ impl RaySets {
     fn new(world: &World, camera: &crate::scene::Camera) -> Self {
         let bounds = world.accel().bounds();
         let lamp = bounds.center() + Vec3A::new(0.1, 0.45, 0.15) * (bounds.max - bounds.min);
+        let rays = camera.rays(1.0);
         let mut sets = Self { primary: Vec::new(), bounce: Vec::new(), shadow: Vec::new() };
         for i in 0..SIDE * SIDE {
             let [a, b, c, d] = Sampler::new(1, i % SIDE, i / SIDE, 0).get4(0);
             let at = |p: u32, u: f32| (p as f32 + u) / SIDE as f32 * 2.0 - 1.0;
-            let (origin, direction) = camera.ray([at(i % SIDE, a), -at(i / SIDE, b)], 1.0);
+            let (origin, direction) = rays.ray([at(i % SIDE, a), -at(i / SIDE, b)]);
             let ray = Ray::new(origin, direction);
             sets.primary.push(ray);
             if let Some(hit) = world.accel().closest(&ray, &|_, _, _, _| true) {
@@ -109,7 +121,9 @@ impl RaySets {
 
 fn trace(world: &World, rays: &[Ray], any: bool) -> u64 {
     let accept = |_, _, _, _| true;
-    let hit = |r: &&Ray| if any { world.accel().any(r, &accept) } else { world.accel().closest(r, &accept).is_some() };
+    let hit = |r: &&Ray| {
+        if any { world.accel().any(r, &accept) } else { world.accel().closest(r, &accept).is_some() }
+    };
     rays.iter().filter(hit).count() as u64
 }
 

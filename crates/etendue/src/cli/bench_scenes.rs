@@ -16,8 +16,13 @@ pub(crate) struct BenchScene {
 /// All scenes whose name contains `filter`.
 pub(crate) fn all(filter: &str) -> Result<Vec<BenchScene>, super::CliError> {
     type Make = fn() -> Result<BenchScene, super::CliError>;
-    let makers: [(&str, Make); 5] =
-        [("helmet", helmet), ("room", || Ok(room())), ("soup", || Ok(soup())), ("lights", || Ok(lights())), ("forest", forest)];
+    let makers: [(&str, Make); 5] = [
+        ("helmet", helmet),
+        ("room", || Ok(room())),
+        ("soup", || Ok(soup())),
+        ("lights", || Ok(lights())),
+        ("forest", forest),
+    ];
     makers.into_iter().filter(|m| m.0.contains(filter)).map(|m| m.1()).collect()
 }
 
@@ -73,20 +78,37 @@ fn ball(mesh: &mut Mesh, center: Vec3, radius: f32, phase: Vec3, n: u32) {
 }
 
 fn grey() -> Material {
-    Material { base_color: Vec3::splat(0.6), metallic: 0.0, roughness: 0.6, double_sided: true, ..Material::default() }
+    Material {
+        base_color: Vec3::splat(0.6),
+        metallic: 0.0,
+        roughness: 0.6,
+        double_sided: true,
+        ..Material::default()
+    }
 }
 
 fn placed(scene: &mut Scene, mesh: Mesh, material: u32, transform: Affine3A) {
     scene.meshes.push(mesh);
     let mesh = scene.meshes.len() as u32 - 1;
-    scene.instances.push(Instance { name: format!("mesh {mesh}"), mesh, material: Some(material), transform });
+    scene.instances.push(Instance {
+        name: format!("mesh {mesh}"),
+        mesh,
+        material: Some(material),
+        transform,
+    });
 }
 
 /// A closed room with rippled floor and 200 rippled balls under a lamp: a million triangles, much interreflection.
 fn room() -> BenchScene {
     let mut s = Sequence(17);
     let mut mesh = Mesh::default();
-    let corner = |i: u32| Vec3::new(if i & 1 == 0 { -10.0 } else { 10.0 }, if i & 2 == 0 { -1.0 } else { 10.0 }, if i & 4 == 0 { -10.0 } else { 10.0 });
+    let corner = |i: u32| {
+        Vec3::new(
+            if i & 1 == 0 { -10.0 } else { 10.0 },
+            if i & 2 == 0 { -1.0 } else { 10.0 },
+            if i & 4 == 0 { -10.0 } else { 10.0 },
+        )
+    };
     mesh.positions.extend((0..8).map(corner));
     for q in [[2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3], [0, 1, 3, 2], [4, 6, 7, 5]] {
         mesh.indices.extend([[q[0], q[1], q[2]], [q[0], q[2], q[3]]]);
@@ -103,7 +125,8 @@ fn room() -> BenchScene {
     let mut scene = Scene { materials: vec![grey(), lamp(30.0)], ..Scene::default() };
     placed(&mut scene, mesh, 0, Affine3A::IDENTITY);
     placed(&mut scene, quad(3.0), 1, Affine3A::from_translation(Vec3::new(0.0, 9.5, 0.0)));
-    let camera = Camera::look_at(Vec3::new(-8.5, 6.0, 8.8), Vec3::new(2.0, 2.0, -2.0), Vec3::Y, 75f32.to_radians());
+    let camera =
+        Camera::look_at(Vec3::new(-8.5, 6.0, 8.8), Vec3::new(2.0, 2.0, -2.0), Vec3::Y, 75f32.to_radians());
     BenchScene { name: "room", what: "closed room, one lamp", scene, camera }
 }
 
@@ -132,7 +155,8 @@ fn soup() -> BenchScene {
         mesh.positions.extend([c, c + d, c + e]);
         mesh.indices.push([k, k + 1, k + 2]);
     }
-    let mut scene = Scene { materials: vec![grey()], environment: Environment::Constant(Vec3::ONE), ..Scene::default() };
+    let mut scene =
+        Scene { materials: vec![grey()], environment: Environment::Constant(Vec3::ONE), ..Scene::default() };
     placed(&mut scene, mesh, 0, Affine3A::IDENTITY);
     let camera = Camera::look_at(Vec3::new(0.0, 4.0, 26.0), Vec3::ZERO, Vec3::Y, 45f32.to_radians());
     BenchScene { name: "soup", what: "long thin triangles, constant sky", scene, camera }
@@ -161,7 +185,8 @@ fn lights() -> BenchScene {
         }
         placed(&mut scene, mesh, c + 1, Affine3A::IDENTITY);
     }
-    let camera = Camera::look_at(Vec3::new(0.0, 7.0, 22.0), Vec3::new(0.0, 0.0, 2.0), Vec3::Y, 45f32.to_radians());
+    let camera =
+        Camera::look_at(Vec3::new(0.0, 7.0, 22.0), Vec3::new(0.0, 0.0, 2.0), Vec3::Y, 45f32.to_radians());
     BenchScene { name: "lights", what: "10,000 lamps over a plain", scene, camera }
 }
 
@@ -174,7 +199,9 @@ fn forest() -> Result<BenchScene, super::CliError> {
         let at = (Vec3::new(s.next(), s.next(), s.next()) - 0.5) * Vec3::new(24.0, 6.0, 24.0);
         let turn = Quat::from_axis_angle(s.direction(), TAU * s.next());
         let place = Affine3A::from_rotation_translation(turn, at);
-        b.scene.instances.extend(one.iter().map(|i| Instance { transform: place * i.transform, ..i.clone() }));
+        b.scene
+            .instances
+            .extend(one.iter().map(|i| Instance { transform: place * i.transform, ..i.clone() }));
     }
     let mut bounds = Bounds::EMPTY;
     bounds.include(Vec3::splat(-8.0).into());

@@ -53,7 +53,11 @@ fn text(imported: &Imported) -> String {
         info.format,
         info.version,
         bytes(info.bytes),
-        if info.external_bytes > 0 { format!(" and {} beside it", bytes(info.external_bytes)) } else { String::new() }
+        if info.external_bytes > 0 {
+            format!(" and {} beside it", bytes(info.external_bytes))
+        } else {
+            String::new()
+        }
     );
     for (what, value) in [("by", &info.generator), ("copyright", &info.copyright), ("scene", &info.scene)] {
         if let Some(v) = value {
@@ -63,7 +67,11 @@ fn text(imported: &Imported) -> String {
     let bounds = imported.scene.bounds();
     if !bounds.is_empty() {
         let (a, b) = (bounds.min, bounds.max);
-        let _ = writeln!(out, "  from ({:.3}, {:.3}, {:.3}) to ({:.3}, {:.3}, {:.3}) m", a.x, a.y, a.z, b.x, b.y, b.z);
+        let _ = writeln!(
+            out,
+            "  from ({:.3}, {:.3}, {:.3}) to ({:.3}, {:.3}, {:.3}) m",
+            a.x, a.y, a.z, b.x, b.y, b.z
+        );
     }
     let row = |cells: &[&dyn std::fmt::Display]| cells.iter().map(|c| c.to_string()).collect::<Vec<_>>();
     table(
@@ -71,9 +79,21 @@ fn text(imported: &Imported) -> String {
         "counts",
         &[
             row(&[&"nodes", &n(c.nodes), &format!("{} shown", n(c.visible_nodes))]),
-            row(&[&"meshes", &n(c.meshes), &format!("{} primitives, {} vertices", n(c.primitives), n(c.vertices))]),
-            row(&[&"triangles", &n(c.triangles), &format!("{} shown in {} instances", n(c.shown_triangles), n(c.instances))]),
-            row(&[&"images", &n(c.images), &format!("{} textures, {} decoded", n(c.textures), bytes(c.image_bytes))]),
+            row(&[
+                &"meshes",
+                &n(c.meshes),
+                &format!("{} primitives, {} vertices", n(c.primitives), n(c.vertices)),
+            ]),
+            row(&[
+                &"triangles",
+                &n(c.triangles),
+                &format!("{} shown in {} instances", n(c.shown_triangles), n(c.instances)),
+            ]),
+            row(&[
+                &"images",
+                &n(c.images),
+                &format!("{} textures, {} decoded", n(c.textures), bytes(c.image_bytes)),
+            ]),
             row(&[&"materials", &n(c.materials)]),
             row(&[&"skins", &n(c.skins)]),
         ],
@@ -131,7 +151,16 @@ fn text(imported: &Imported) -> String {
         .enumerate()
         .map(|(i, m)| {
             let size = if m.used {
-                format!("{} {} × {} × {}, {} bit, {} → {}", m.format, m.width, m.height, m.channels, m.bits, bytes(m.bytes), bytes(m.decoded_bytes))
+                format!(
+                    "{} {} × {} × {}, {} bit, {} → {}",
+                    m.format,
+                    m.width,
+                    m.height,
+                    m.channels,
+                    m.bits,
+                    bytes(m.bytes),
+                    bytes(m.decoded_bytes)
+                )
             } else {
                 "not used".into()
             };
@@ -144,7 +173,11 @@ fn text(imported: &Imported) -> String {
         .iter()
         .enumerate()
         .map(|(i, k)| {
-            let size = if k.kind == "perspective" { format!("{:.1}° high", k.size.to_degrees()) } else { format!("{} m half height", k.size) };
+            let size = if k.kind == "perspective" {
+                format!("{:.1}° high", k.size.to_degrees())
+            } else {
+                format!("{} m half height", k.size)
+            };
             vec![i.to_string(), k.name.clone(), k.kind.to_string(), size]
         })
         .collect();
@@ -153,7 +186,14 @@ fn text(imported: &Imported) -> String {
         .lights
         .iter()
         .enumerate()
-        .map(|(i, l)| vec![i.to_string(), l.name.clone(), l.kind.to_string(), format!("{} {}", l.intensity, if l.kind == "directional" { "lx" } else { "cd" })])
+        .map(|(i, l)| {
+            vec![
+                i.to_string(),
+                l.name.clone(),
+                l.kind.to_string(),
+                format!("{} {}", l.intensity, if l.kind == "directional" { "lx" } else { "cd" }),
+            ]
+        })
         .collect();
     table(&mut out, "lights", &rows);
     let rows: Vec<_> = info

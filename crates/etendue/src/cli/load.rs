@@ -99,7 +99,9 @@ fn file_camera(which: &str, cameras: &[Camera]) -> Result<Camera, CliError> {
     }
     let list: Vec<_> = cameras.iter().enumerate().map(|(i, c)| format!("{i} ({})", c.name)).collect();
     Err(CliError::Usage(if list.is_empty() {
-        format!("there is no camera {which}: the file has none; use --eye and --target, or neither to frame the model")
+        format!(
+            "there is no camera {which}: the file has none; use --eye and --target, or neither to frame the model"
+        )
     } else {
         format!("there is no camera {which}; the file has {}", list.join(", "))
     }))

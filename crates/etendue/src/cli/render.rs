@@ -2,9 +2,7 @@
 
 use super::args::{DevelopArgs, RenderArgs};
 use super::load;
-use super::output::{
-    ARGUMENTS, NAMES, count, notes, peak_memory, read_film, write_film, write_film_picture,
-};
+use super::output::{ARGUMENTS, NAMES, count, notes, peak_memory, read_film, write_film, write_film_picture};
 use super::progress::{Progress, clock};
 use super::{CliError, say};
 use crate::image::PictureFormat;
@@ -56,7 +54,9 @@ pub(crate) fn run(args: RenderArgs) -> Result<(), CliError> {
     let (environment, repaired) = load::environment(&args)?;
     let mut warnings: Vec<String> = imported.warnings.iter().map(ToString::to_string).collect();
     if repaired > 0 {
-        warnings.push(format!("the sky has {repaired} pixels that are not numbers, infinite or negative; they were mended"));
+        warnings.push(format!(
+            "the sky has {repaired} pixels that are not numbers, infinite or negative; they were mended"
+        ));
     }
     let mut scene = imported.scene;
     scene.environment = environment;
@@ -69,7 +69,11 @@ pub(crate) fn run(args: RenderArgs) -> Result<(), CliError> {
     let mut job = Job {
         info: film_info(&args, &renderer, &world),
         explicit_film: args.film.clone().or_else(|| args.resume.clone()),
-        film_path: args.film.clone().or_else(|| args.resume.clone()).unwrap_or_else(|| output.with_extension("film")),
+        film_path: args
+            .film
+            .clone()
+            .or_else(|| args.resume.clone())
+            .unwrap_or_else(|| output.with_extension("film")),
         checkpointed: false,
         counters: Arc::new(Counters::default()),
         renderer,
@@ -83,7 +87,10 @@ pub(crate) fn run(args: RenderArgs) -> Result<(), CliError> {
     if let Some((old, info)) = resumed {
         if info.picture != job.info.picture {
             let path = job.args.resume.clone().unwrap_or_default();
-            return Err(CliError::Merge { path, source: MergeError::Picture(job.info.picture, info.picture) });
+            return Err(CliError::Merge {
+                path,
+                source: MergeError::Picture(job.info.picture, info.picture),
+            });
         }
         film = old;
     }
@@ -96,7 +103,8 @@ pub(crate) fn run(args: RenderArgs) -> Result<(), CliError> {
         let _ = write_film(&job.film_path, film, &job.info);
         Err(e)
     };
-    if let Err(e) = write_film_picture(&job.output, &film, &job.info, &job.args.develop, job.args.transparent) {
+    if let Err(e) = write_film_picture(&job.output, &film, &job.info, &job.args.develop, job.args.transparent)
+    {
         return failed(&film, &job, e);
     }
     if job.explicit_film.is_some() || !finished {
@@ -174,7 +182,10 @@ fn check_output(args: &RenderArgs, output: &Path) -> Result<(), CliError> {
     }
     let folder = output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
-        let source = std::io::Error::new(std::io::ErrorKind::NotFound, format!("there is no folder {}", folder.display()));
+        let source = std::io::Error::new(
+            std::io::ErrorKind::NotFound,
+            format!("there is no folder {}", folder.display()),
+        );
         return Err(CliError::Write { path: output.to_path_buf(), source });
     }
     Ok(())
@@ -185,7 +196,9 @@ fn film_info(args: &RenderArgs, renderer: &Renderer, world: &World) -> FilmInfo 
     let mut stored = args.clone();
     stored.model = stored.model.as_deref().map(absolute);
     stored.output = Some(absolute(&output_path(args)));
-    stored.env = stored.env.map(|e| if Path::new(&e).is_file() { absolute(Path::new(&e)).display().to_string() } else { e });
+    stored.env = stored
+        .env
+        .map(|e| if Path::new(&e).is_file() { absolute(Path::new(&e)).display().to_string() } else { e });
     let command: Vec<String> = std::env::args().collect();
     let mut entries = notes([
         (ARGUMENTS, serde_json::to_string(&stored).unwrap_or_default()),
@@ -218,7 +231,14 @@ impl Goal {
             .samples
             .unwrap_or((0, args.spp.unwrap_or(if open { MOST_SAMPLES } else { DEFAULT_SAMPLES })));
         let missing = film.ranges.missing(from, to).iter().map(|r| u64::from(r.1 - r.0)).sum();
-        Self { from, to, noise: args.noise.map(f64::from), time: args.time, missing, open: open && args.samples.is_none() }
+        Self {
+            from,
+            to,
+            noise: args.noise.map(f64::from),
+            time: args.time,
+            missing,
+            open: open && args.samples.is_none(),
+        }
     }
 }
 
@@ -247,7 +267,8 @@ impl Job<'_> {
         let total = if goal.open { 0 } else { goal.missing };
         let visible = !self.args.quiet && !self.args.json;
         let pixels = film.pixels() as u64;
-        let progress = Progress::new(self.counters.clone(), pixels, total, film.samples(), goal.time, visible);
+        let progress =
+            Progress::new(self.counters.clone(), pixels, total, film.samples(), goal.time, visible);
         let mut last_film = start;
         let (mut last_watch, mut watch) = (start, WATCH);
         let mut batch = 1u32;
@@ -287,7 +308,13 @@ impl Job<'_> {
                     last_film = Instant::now();
                 }
                 if self.args.watch && last_watch.elapsed() >= watch {
-                    write_film_picture(&self.output, film, &self.info, &self.args.develop, self.args.transparent)?;
+                    write_film_picture(
+                        &self.output,
+                        film,
+                        &self.info,
+                        &self.args.develop,
+                        self.args.transparent,
+                    )?;
                     last_watch = Instant::now();
                     watch = (watch * 5 / 4).min(Duration::from_secs(30));
                 }
@@ -354,7 +381,10 @@ impl Job<'_> {
                 count(rays as f64 / render.max(1e-9)),
             );
             if film.rejected > 0 {
-                text += &format!("\n{} samples were not numbers and count as black: please report this", film.rejected);
+                text += &format!(
+                    "\n{} samples were not numbers and count as black: please report this",
+                    film.rejected
+                );
             }
             say(&text);
         }

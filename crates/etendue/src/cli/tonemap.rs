@@ -4,7 +4,8 @@ use super::args::TonemapArgs;
 use super::output::expose;
 use super::{CliError, say};
 use crate::image::{
-    ChannelData, DecodeLimits, Image, Layer, Metadata, PictureFormat, Pixels, read_environment, read_exr_layers, write_picture,
+    ChannelData, DecodeLimits, Image, Layer, Metadata, PictureFormat, Pixels, read_environment,
+    read_exr_layers, write_picture,
 };
 
 pub(crate) fn run(args: &TonemapArgs) -> Result<(), CliError> {
@@ -13,7 +14,8 @@ pub(crate) fn run(args: &TonemapArgs) -> Result<(), CliError> {
         return Err(CliError::Read { path: args.input.clone(), source });
     }
     let is_exr = PictureFormat::from_path(&args.input).is_ok_and(|f| f == PictureFormat::Exr);
-    let (mut image, metadata) = if is_exr { layer(args)? } else { (read_environment(&args.input)?.image, Metadata::default()) };
+    let (mut image, metadata) =
+        if is_exr { layer(args)? } else { (read_environment(&args.input)?.image, Metadata::default()) };
     if matches!(format, PictureFormat::Exr | PictureFormat::Hdr) {
         expose(&mut image, args.develop.exposure);
     }
@@ -24,7 +26,8 @@ pub(crate) fn run(args: &TonemapArgs) -> Result<(), CliError> {
 
 /// One layer of an OpenEXR file as a picture.
 fn layer(args: &TonemapArgs) -> Result<(Image, Metadata), CliError> {
-    let bytes = std::fs::read(&args.input).map_err(|source| CliError::Read { path: args.input.clone(), source })?;
+    let bytes =
+        std::fs::read(&args.input).map_err(|source| CliError::Read { path: args.input.clone(), source })?;
     let exr = read_exr_layers(&bytes, &DecodeLimits::default()).map_err(|e| e.in_file(&args.input))?;
     let layer = exr.layer(&args.layer).ok_or_else(|| {
         let names: Vec<_> = exr.layers.iter().map(|l| format!("{:?}", l.name)).collect();
