@@ -3,6 +3,7 @@
 use crate::buffers::Buffers;
 use crate::document::{Accessor, Component, Document, Shape, Sparse, get};
 use crate::error::Fault;
+use std::cmp::Ordering;
 
 /// Opens accessors of a document whose buffers are loaded.
 #[derive(Clone, Copy)]
@@ -20,11 +21,58 @@ pub(crate) struct Elements<'a> {
     overlay: Option<Overlay<'a>>,
 }
 
-/// The sparse part: `indices[k]` is replaced by element `k` of `values`.
+/// The sparse part: element `k` of `values` replaces the element that index `k` names.
+///
+/// It stays in its bytes: many primitives may look up a few vertices each in one long list.
 struct Overlay<'a> {
     /// Strictly increasing, all below the accessor's count.
-    indices: Vec<u32>,
+    indices: &'a [u8],
+    /// Bytes per index.
+    width: usize,
     values: &'a [u8],
+}
+
+impl Overlay<'_> {
+    fn len(&self) -> usize {
+        self.indices.len() / self.width
+    }
+
+    /// Index `k`.
+    fn index(&self, k: usize) -> u32 {
+        let b = &self.indices[k * self.width..(k + 1) * self.width];
+        b.iter().rev().fold(0, |n, &b| n << 8 | u32::from(b))
+    }
+
+    /// Where `i` is among the indices.
+    fn find(&self, i: u32) -> Option<usize> {
+        let (mut lo, mut hi) = (0, self.len());
+        while lo < hi {
+            let mid = lo + (hi - lo) / 2;
+            match self.index(mid).cmp(&i) {
+                Ordering::Less => lo = mid + 1,
+                Ordering::Equal => return Some(mid),
+                Ordering::Greater => hi = mid,
+            }
+        }
+        None
+    }
+
+    /// Checks order and range of the indices for an accessor of `count` elements.
+    fn check(&self, count: u64, pointer: impl Fn() -> String) -> Result<(), Fault> {
+        if (1..self.len()).any(|k| self.index(k - 1) >= self.index(k)) {
+            return Err(Fault::invalid(
+                format!("{}/indices", pointer()),
+                "the indices do not strictly increase",
+            ));
+        }
+        match self.len().checked_sub(1).map(|k| self.index(k)) {
+            Some(last) if u64::from(last) >= count => Err(Fault::invalid(
+                format!("{}/indices", pointer()),
+                format!("index {last} is beyond the accessor's {count} elements"),
+            )),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// A component as it is stored.
@@ -96,18 +144,23 @@ impl<'a> Accessors<'a> {
             }
         };
         let overlay = match &accessor.sparse {
-            Some(s) => Some(self.overlay(s, accessor, size, &format!("{}/sparse", pointer()))?),
+            Some(s) => {
+                let pointer = || format!("/accessors/{index}/sparse");
+                let overlay = self.overlay(s, size, pointer)?;
+                self.buffers.once(index, || overlay.check(accessor.count, pointer))?;
+                Some(overlay)
+            }
             None => None,
         };
         Ok(Elements { index, accessor, base, overlay })
     }
 
-    fn overlay(&self, s: &Sparse, a: &Accessor, size: u64, pointer: &str) -> Result<Overlay<'a>, Fault> {
+    fn overlay(&self, s: &Sparse, size: u64, pointer: impl Fn() -> String) -> Result<Overlay<'a>, Fault> {
         let part = |view: u32, offset: u64, size: u64, name: &str| {
-            let bytes = self.buffers.view(self.doc, view, || format!("{pointer}/{name}/bufferView"))?;
+            let bytes = self.buffers.view(self.doc, view, || format!("{}/{name}/bufferView", pointer()))?;
             span(bytes, offset, s.count, size, size).ok_or_else(|| {
                 Fault::invalid(
-                    format!("{pointer}/{name}"),
+                    format!("{}/{name}", pointer()),
                     format!(
                         "{} entries of {size} bytes from byte {offset} reach beyond buffer view {view} of {} bytes",
                         s.count,
@@ -117,27 +170,9 @@ impl<'a> Accessors<'a> {
             })
         };
         let width = s.indices_component.size();
-        let raw = part(s.indices_view, s.indices_offset, width, "indices")?;
+        let indices = part(s.indices_view, s.indices_offset, width, "indices")?;
         let values = part(s.values_view, s.values_offset, size, "values")?;
-        let indices: Vec<u32> = raw
-            .chunks_exact(width as usize)
-            .map(|b| match *b {
-                [a] => a.into(),
-                [a, b] => u16::from_le_bytes([a, b]).into(),
-                [a, b, c, d] => u32::from_le_bytes([a, b, c, d]),
-                _ => unreachable!("sparse indices have 1, 2 or 4 bytes"),
-            })
-            .collect();
-        if !indices.is_sorted_by(|a, b| a < b) {
-            return Err(Fault::invalid(format!("{pointer}/indices"), "the indices do not strictly increase"));
-        }
-        if let Some(last) = indices.last().filter(|&&i| u64::from(i) >= a.count) {
-            return Err(Fault::invalid(
-                format!("{pointer}/indices"),
-                format!("index {last} is beyond the accessor's {} elements", a.count),
-            ));
-        }
-        Ok(Overlay { indices, values })
+        Ok(Overlay { indices, width: width as usize, values })
     }
 }
 
@@ -269,13 +304,13 @@ impl Elements<'_> {
             let value = |k: usize| element(&o.values[k * size..(k + 1) * size]);
             match pick {
                 None => {
-                    for (k, &i) in o.indices.iter().enumerate() {
-                        out[i as usize] = value(k);
+                    for k in 0..o.len() {
+                        out[o.index(k) as usize] = value(k);
                     }
                 }
                 Some(pick) => {
-                    for (slot, i) in out.iter_mut().zip(pick) {
-                        if let Ok(k) = o.indices.binary_search(i) {
+                    for (slot, &i) in out.iter_mut().zip(pick) {
+                        if let Some(k) = o.find(i) {
                             *slot = value(k);
                         }
                     }

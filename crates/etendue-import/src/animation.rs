@@ -209,8 +209,9 @@ impl Track<'_> {
     fn span(&self) -> Span {
         let last = self.input.len() - 1;
         let hold = |k| Span { k, t: 0.0, length: 0.0 };
-        // Written so that a time that is not a number holds the first keyframe.
-        if last == 0 || !(self.seconds > self.time(0)) {
+        let first = self.time(0);
+        // A time that is not a number holds the first keyframe.
+        if last == 0 || self.seconds.is_nan() || first.is_nan() || self.seconds <= first {
             return hold(0);
         }
         if self.seconds >= self.time(last) {

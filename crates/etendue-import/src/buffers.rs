@@ -6,6 +6,7 @@ use crate::source::Source;
 use crate::warning::Warnings;
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The loaded buffers.
 pub(crate) struct Buffers<'a> {
@@ -15,6 +16,8 @@ pub(crate) struct Buffers<'a> {
     of_buffer: Vec<Option<usize>>,
     /// Bytes read from files beside the model.
     pub external: u64,
+    /// Per accessor: whether its sparse indices have been found good.
+    checked: Vec<AtomicBool>,
 }
 
 impl<'a> Buffers<'a> {
@@ -25,7 +28,12 @@ impl<'a> Buffers<'a> {
         source: &Source<'_>,
         warnings: &mut Warnings,
     ) -> Result<Self, Fault> {
-        let mut out = Self { blocks: Vec::new(), of_buffer: vec![None; doc.buffers.len()], external: 0 };
+        let mut out = Self {
+            blocks: Vec::new(),
+            of_buffer: vec![None; doc.buffers.len()],
+            external: 0,
+            checked: doc.accessors.iter().map(|_| AtomicBool::new(false)).collect(),
+        };
         let mut wanted = vec![false; doc.buffers.len()];
         for (i, v) in doc.buffer_views.iter().enumerate() {
             get(&doc.buffers, v.buffer, "buffer", || format!("/bufferViews/{i}/buffer"))?;
@@ -73,6 +81,16 @@ impl<'a> Buffers<'a> {
             out.of_buffer[i] = Some(block);
         }
         Ok(out)
+    }
+
+    /// Runs a check of accessor `index`'s data unless it has passed before: an accessor may be used any number of times.
+    pub fn once(&self, index: u32, check: impl FnOnce() -> Result<(), Fault>) -> Result<(), Fault> {
+        let Some(done) = self.checked.get(index as usize) else { return check() };
+        if !done.load(Ordering::Relaxed) {
+            check()?;
+            done.store(true, Ordering::Relaxed);
+        }
+        Ok(())
     }
 
     /// The bytes of buffer view `index`, which `from` refers to.

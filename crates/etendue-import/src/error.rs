@@ -1,6 +1,6 @@
 //! Why an import failed: which file, which place in it, what is wrong, what to do.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why a file could not be turned into a scene.
 ///
@@ -29,11 +29,11 @@ pub enum ImportError {
         /// What is missing: "buffer" or "image".
         what: &'static str,
         /// The reference as it stands in the file.
-        uri: String,
+        uri: Box<str>,
         /// Where it was looked for.
-        looked_for: PathBuf,
+        looked_for: Box<Path>,
         /// What the operating system said, or why the place may not be read.
-        reason: String,
+        reason: Box<str>,
     },
     /// The bytes are not a GLB container, or a damaged one.
     #[error("{file}: byte {offset}: {message}")]
@@ -151,9 +151,14 @@ impl Fault {
     pub fn in_file(self, file: &str) -> ImportError {
         let file = file.to_owned();
         match self {
-            Self::Missing { pointer, what, uri, looked_for, reason } => {
-                ImportError::Missing { file, pointer, what, uri, looked_for, reason }
-            }
+            Self::Missing { pointer, what, uri, looked_for, reason } => ImportError::Missing {
+                file,
+                pointer,
+                what,
+                uri: uri.into(),
+                looked_for: looked_for.into(),
+                reason: reason.into(),
+            },
             Self::Container { offset, message } => ImportError::Container { file, offset, message },
             Self::Json { line, column, message } => ImportError::Json { file, line, column, message },
             Self::Invalid { pointer, message } => ImportError::Invalid { file, pointer, message },

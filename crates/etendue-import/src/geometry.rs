@@ -98,8 +98,10 @@ impl Job {
             Mode::Triangles => corners / 3,
             _ => corners.saturating_sub(2),
         };
-        // Generated tangents may give every corner a vertex of its own.
-        let unwelded = if self.key.tangent_space.is_some() { 3 * triangles } else { vertices };
+        // Generated tangents may give every corner a vertex of its own, and MikkTSpace's own tables take about 300 bytes
+        // per triangle.
+        let (unwelded, tables) =
+            if self.key.tangent_space.is_some() { (3 * triangles, 300 * triangles) } else { (vertices, 0) };
         let per_vertex = 12
             + if self.key.normal.is_some() || self.key.tangent_space.is_some() { 12 } else { 0 }
             + if self.key.tangent.is_some() || self.key.tangent_space.is_some() { 16 } else { 0 }
@@ -108,7 +110,7 @@ impl Job {
             + self.key.skin.as_ref().map_or(0, |s| 32 * s.influences.len() as u64);
         Ok(Estimate {
             vertices,
-            bytes: (unwelded.saturating_mul(per_vertex)).saturating_add(triangles.saturating_mul(12)),
+            bytes: unwelded.saturating_mul(per_vertex).saturating_add(12 * triangles + tables),
         })
     }
 

@@ -99,7 +99,7 @@ pub(crate) fn light(
         }
     };
     let range = l.range.map(|r| r as f32);
-    if range.is_some_and(|r| !(r > 0.0)) {
+    if range.is_some_and(|r| r <= 0.0) {
         warnings.add(pointer, "range is not above 0; taken as unlimited");
     }
     let light = Light {

@@ -73,12 +73,14 @@ impl<'a> Plan<'a> {
         let m = &self.globals[i as usize];
         if let Some(c) = node.camera {
             let camera = get(&doc.cameras, c, "camera", || format!("/nodes/{i}/camera"))?;
+            self.budget.bytes(camera.name.len() as u64, || format!("/nodes/{i}/camera"))?;
             let made = place::camera(camera, &format!("/cameras/{c}"), node.name, m, &mut self.warnings);
             self.cameras.extend(made.map(|camera| (c, camera)));
         }
         if let Some(l) = node.light {
             let from = || format!("/nodes/{i}/extensions/KHR_lights_punctual/light");
             let light = get(&doc.lights, l, "light", from)?;
+            self.budget.bytes(light.name.len() as u64, from)?;
             let pointer = format!("/extensions/KHR_lights_punctual/lights/{l}");
             self.lights.extend(place::light(light, &pointer, node.name, m, &mut self.warnings));
         }
@@ -99,20 +101,21 @@ impl<'a> Plan<'a> {
                 Some(m) => Some(self.material(m, || format!("{pointer}/material"))?),
                 None => None,
             };
-            let Some((job, skinned)) = self.job(i, node, mesh.name, p, pointer, material, weights)? else {
-                continue;
-            };
             let name = if node.name.is_empty() { mesh.name } else { node.name };
-            let here = [Affine3A::IDENTITY];
-            // A skin carries its vertices to the world by itself (glTF 2.0, 3.7.3.1).
-            let placements = if skinned { &here[..] } else { &placements[..] };
-            let bytes = (size_of::<Instance>() + name.len()) as u64;
+            // Also what turns out to be nothing to see costs time.
             let at = || format!("/nodes/{i}");
+            let bytes = (size_of::<Instance>() + name.len()) as u64;
             self.budget.instances(
                 placements.len() as u64,
                 bytes.saturating_mul(placements.len() as u64),
                 at,
             )?;
+            let Some((job, skinned)) = self.job(i, node, mesh.name, p, pointer, material, weights)? else {
+                continue;
+            };
+            let here = [Affine3A::IDENTITY];
+            // A skin carries its vertices to the world by itself (glTF 2.0, 3.7.3.1).
+            let placements = if skinned { &here[..] } else { &placements[..] };
             for &transform in placements {
                 if transform.is_finite() {
                     self.instances.push(Instance { name: name.to_owned(), mesh: job, material, transform });
@@ -199,18 +202,6 @@ impl<'a> Plan<'a> {
             self.warnings.add(format!("{pointer}/attributes"), "no POSITION; nothing to show");
             return Ok(None);
         };
-        let from = || format!("{pointer}/attributes/POSITION");
-        let positions = self.accessors.open(position, "POSITION", &[Shape::Vec3], from)?;
-        if p.draco && !positions.has_data() {
-            return Err(Fault::Unsupported {
-                pointer: format!("{pointer}/extensions/KHR_draco_mesh_compression"),
-                what: "KHR_draco_mesh_compression".into(),
-                hint: "; export the model without mesh compression".into(),
-            });
-        }
-        if positions.component() == Component::U32 {
-            return Err(Fault::invalid(from(), "positions of unsigned 32-bit integers are not allowed"));
-        }
         let (uvs, tangent_space, wants_tangents) = self.texture_space(p, material);
         let normal = p.attribute("NORMAL");
         let tangent = p.attribute("TANGENT").filter(|_| wants_tangents && normal.is_some());
@@ -230,6 +221,18 @@ impl<'a> Plan<'a> {
         let skinned = key.skin.is_some();
         if let Some(&known) = self.by_key.get(&key) {
             return Ok(Some((known, skinned)));
+        }
+        let from = || format!("{pointer}/attributes/POSITION");
+        let positions = self.accessors.open(position, "POSITION", &[Shape::Vec3], from)?;
+        if p.draco && !positions.has_data() {
+            return Err(Fault::Unsupported {
+                pointer: format!("{pointer}/extensions/KHR_draco_mesh_compression"),
+                what: "KHR_draco_mesh_compression".into(),
+                hint: "; export the model without mesh compression".into(),
+            });
+        }
+        if positions.component() == Component::U32 {
+            return Err(Fault::invalid(from(), "positions of unsigned 32-bit integers are not allowed"));
         }
         let job = Job { key: key.clone(), name: name.to_owned(), pointer };
         let estimate = job.estimate(self.accessors)?;

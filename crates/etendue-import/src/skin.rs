@@ -29,7 +29,8 @@ pub(crate) fn joint_matrices(
             if e.component() != Component::F32 {
                 return Err(Fault::invalid(from(), "inverse bind matrices are floats (5126)"));
             }
-            Some(e.floats::<16>(None))
+            let used: Vec<u32> = (0..s.joints.len() as u32).collect();
+            Some(e.floats::<16>(Some(&used)))
         }
     };
     let mut out = Vec::with_capacity(s.joints.len());
@@ -39,7 +40,7 @@ pub(crate) fn joint_matrices(
         let mut m = globals[j as usize];
         if let Some(ibm) = &inverse_bind {
             let b = DMat4::from_cols_array(&ibm[k].map(f64::from));
-            m = m * DAffine3 { matrix3: DMat3::from_mat4(b), translation: b.w_axis.truncate() };
+            m *= DAffine3 { matrix3: DMat3::from_mat4(b), translation: b.w_axis.truncate() };
         }
         let m = narrow(&m);
         out.push(if m.is_finite() {

@@ -24,6 +24,7 @@ pub(crate) struct Textures<'a> {
     pub images: Vec<u32>,
     by_content: HashMap<(u32, u8, u8, u8), u32>,
     by_place: HashMap<Place<'a>, u32>,
+    by_image: HashMap<u32, u32>,
 }
 
 /// Where an image's bytes are: two images with the same place are one.
@@ -41,6 +42,7 @@ impl<'a> Textures<'a> {
             images: Vec::new(),
             by_content: HashMap::new(),
             by_place: HashMap::new(),
+            by_image: HashMap::new(),
         }
     }
 
@@ -66,21 +68,10 @@ impl<'a> Textures<'a> {
             );
             return Ok(None);
         };
-        let image = get(&self.doc.images, source, "image", || format!("{}/source", pointer()))?;
-        let place = match (image.uri, image.buffer_view) {
-            (Some(uri), _) => Place::Uri(uri),
-            (None, Some(view)) => Place::View(view),
-            (None, None) => {
-                return Err(Fault::invalid(
-                    format!("/images/{source}"),
-                    "has neither `uri` nor `bufferView`",
-                ));
-            }
+        let image = match self.by_image.get(&source) {
+            Some(&known) => known,
+            None => self.image(source, || format!("{}/source", pointer()))?,
         };
-        let image = *self.by_place.entry(place).or_insert_with(|| {
-            self.images.push(source);
-            (self.images.len() - 1) as u32
-        });
         let sampler = match t.sampler {
             None => Sampler::default(),
             Some(s) => {
@@ -94,6 +85,24 @@ impl<'a> Textures<'a> {
             self.textures.push(texture);
             (self.textures.len() - 1) as u32
         })))
+    }
+
+    /// The scene's number of the file's image `index`, which is asked for the first time.
+    fn image(&mut self, index: u32, from: impl Fn() -> String) -> Result<u32, Fault> {
+        let image = get(&self.doc.images, index, "image", from)?;
+        let place = match (image.uri, image.buffer_view) {
+            (Some(uri), _) => Place::Uri(uri),
+            (None, Some(view)) => Place::View(view),
+            (None, None) => {
+                return Err(Fault::invalid(format!("/images/{index}"), "has neither `uri` nor `bufferView`"));
+            }
+        };
+        let number = *self.by_place.entry(place).or_insert_with(|| {
+            self.images.push(index);
+            (self.images.len() - 1) as u32
+        });
+        self.by_image.insert(index, number);
+        Ok(number)
     }
 }
 

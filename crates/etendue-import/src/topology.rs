@@ -32,7 +32,7 @@ fn join(job: &Job, n: usize, v: impl Fn(usize) -> u32, warnings: &mut Warnings) 
     let proper = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
     match job.key.mode {
         Mode::Triangles => {
-            if n % 3 != 0 {
+            if !n.is_multiple_of(3) {
                 warnings.add(
                     &job.pointer,
                     "the number of indices or vertices is not a multiple of three; the rest is ignored",

@@ -161,13 +161,14 @@ fn vertex_colours() {
 
 #[test]
 fn data_that_are_not_there() {
-    let broken = |change: fn(&mut Model)| {
+    type Change = fn(&mut Model);
+    let broken = |change: Change| {
         let mut m = Model::new();
         m.triangle(json!({}));
         change(&mut m);
         m.error()
     };
-    let checks: [(fn(&mut Model), &str); 8] = [
+    let checks: [(Change, &str); 8] = [
         (|m| m.json["accessors"][0]["count"] = json!(4), "/accessors/0: 4 elements of 12 bytes"),
         (|m| m.json["accessors"][0]["count"] = json!(u64::MAX), "/accessors/0/count"),
         (|m| m.json["accessors"][0]["byteOffset"] = json!(u64::MAX), "/accessors/0: 3 elements"),

@@ -271,7 +271,7 @@ fn files_beside_the_model() {
     let e = load(&m, &ImportOptions::default()).unwrap_err();
     assert!(
         matches!(&e, ImportError::Missing { pointer, looked_for, what: "image", .. }
-        if pointer == "/images/0/uri" && *looked_for == folder.join("gone.png")),
+        if pointer == "/images/0/uri" && **looked_for == folder.join("gone.png")),
         "{e}"
     );
 

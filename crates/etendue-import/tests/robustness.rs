@@ -148,6 +148,53 @@ fn degenerate_triangles_do_not_hang_the_tangents() {
 }
 
 #[test]
+fn work_does_not_multiply() {
+    let start = Instant::now();
+    // A thousand primitives that look up three vertices each in one sparse accessor of a million.
+    let mut m = Model::new();
+    let n = 1_000_000;
+    let list: Vec<u32> = (0..n).collect();
+    let indices = m.view(&list[..].bytes());
+    let values = m.view(&vec![0u8; 12 * n as usize]);
+    let p = m.push(
+        "accessors",
+        json!({"componentType": F32, "count": n, "type": "VEC3", "sparse": {
+            "count": n,
+            "indices": {"bufferView": indices, "componentType": U32},
+            "values": {"bufferView": values}
+        }}),
+    );
+    let three: Vec<u32> = (0..5000).collect();
+    let v = m.view(&three[..].bytes());
+    let primitives: Vec<_> = (0..1000)
+        .map(|k| {
+            let view = json!({"bufferView": v, "byteOffset": 12 * k, "componentType": U32, "count": 3, "type": "SCALAR"});
+            let i = m.push("accessors", view);
+            json!({"attributes": {"POSITION": p}, "indices": i})
+        })
+        .collect();
+    m.push("meshes", json!({"primitives": primitives}));
+    m.node(json!({"mesh": 0}));
+    assert_eq!(m.import().scene.meshes.len(), 1000);
+
+    // Points over and over: nothing to see, and yet work.
+    let mut m = Model::new();
+    let points = vec![json!({"attributes": {}, "mode": 0}); 2000];
+    m.push("meshes", json!({"primitives": points}));
+    m.json["nodes"] = json!(vec![json!({"mesh": 0}); 2000]);
+    assert_eq!(too_large(&m, &limited(|l| l.instances = 100_000)), "instances");
+
+    // One long name in many places.
+    let mut m = Model::new();
+    m.triangle(json!({}));
+    m.json["meshes"][0]["name"] = json!("x".repeat(1 << 20));
+    m.json["nodes"] = json!(vec![json!({"mesh": 0}); 2000]);
+    m.json["scenes"][0]["nodes"] = json!((0..2000).collect::<Vec<_>>());
+    assert_eq!(too_large(&m, &ImportOptions::default()), "geometry_expansion");
+    assert!(start.elapsed() < Duration::from_secs(20));
+}
+
+#[test]
 fn deeply_nested_json_is_an_error() {
     let mut text = br#"{"asset":{"version":"2.0"},"extras":"#.to_vec();
     text.extend(b"[".repeat(1_000_000));

@@ -57,7 +57,7 @@ impl<'v> Primitive<'v> {
         r.other_extensions(o, &extensions::ON_PRIMITIVE);
         Ok(Self {
             mode: r.opt(o, "mode", Mode::read)?.unwrap_or(Mode::Triangles),
-            attributes: r.req(o, "attributes", |r, v| r.entries(v, Reader::index))?,
+            attributes: known_first(r.req(o, "attributes", |r, v| r.entries(v, Reader::index))?),
             indices: r.opt(o, "indices", Reader::index)?,
             material: r.opt(o, "material", Reader::index)?,
             targets: r.list(o, "targets", |r, v| {
@@ -81,6 +81,20 @@ impl<'v> Primitive<'v> {
     pub fn attribute(&self, name: &str) -> Option<u32> {
         self.attributes.iter().find(|(n, _)| *n == name).map(|&(_, a)| a)
     }
+}
+
+/// More attributes than any exporter writes.
+const MAX_ATTRIBUTES: usize = 128;
+
+/// Puts the attributes that have a meaning here first, and leaves out the rest of absurdly many: they are searched by
+/// name wherever the primitive is shown.
+fn known_first(mut attributes: Attributes<'_>) -> Attributes<'_> {
+    let known = ["POSITION", "NORMAL", "TANGENT", "TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"];
+    // Short numbers only: `TEXCOORD_4000000000` is legal and useless.
+    let is_known = |n: &str| known.iter().any(|k| n.strip_prefix(k).is_some_and(|rest| rest.len() <= 2));
+    attributes.sort_by_key(|(n, _)| !is_known(n));
+    attributes.truncate(MAX_ATTRIBUTES);
+    attributes
 }
 
 /// A group of primitives that are placed together.
