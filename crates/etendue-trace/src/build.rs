@@ -7,8 +7,12 @@
 use glam::{Vec3A, Vec4};
 use rayon::prelude::*;
 
-/// Bins per axis.
+/// Bins per axis; fewer where there is little to put in them.
 const BINS: usize = 16;
+/// Up to this many references, a quarter of the bins: they will mostly share a packet.
+const FEW: usize = 8;
+/// Up to this many references, half the bins.
+const SOME: usize = 32;
 /// Subtrees with fewer references than this are built by one thread.
 const PARALLEL: usize = 4096;
 /// Below this depth splits are by count, which bounds the depth for any input: at most 32 more levels.
@@ -92,7 +96,14 @@ fn subtree(refs: &mut [Reference], nodes: &mut [Node], depth: u32) {
     } else if depth >= SAH_DEPTH {
         split_by_count(refs, &extent)
     } else {
-        split_by_area(refs, &extent).unwrap_or_else(|| split_by_count(refs, &extent))
+        let mid = if n <= FEW {
+            split_by_area::<{ BINS / 4 }>(refs, &extent)
+        } else if n <= SOME {
+            split_by_area::<{ BINS / 2 }>(refs, &extent)
+        } else {
+            split_by_area::<BINS>(refs, &extent)
+        };
+        mid.unwrap_or_else(|| split_by_count(refs, &extent))
     };
     let (left, right) = refs.split_at_mut(mid);
     let (node, below) = nodes.split_first_mut().expect("2 n − 1 ≥ 1 nodes");
@@ -185,27 +196,27 @@ impl Bin {
     }
 }
 
-type Bins = [[Bin; BINS]; 3];
+type Bins<const N: usize> = [[Bin; N]; 3];
 
 /// Maps doubled centres to bins.
 #[derive(Clone, Copy)]
-struct Binning {
+struct Binning<const N: usize> {
     origin: Vec3A,
     scale: Vec3A,
 }
 
-impl Binning {
+impl<const N: usize> Binning<N> {
     #[inline(always)]
     fn bins(&self, r: &Reference) -> [usize; 3] {
         // `as` saturates and takes NaN (an axis without extent: 0 · ∞) to 0, so every result is a bin.
         ((r.center() - self.origin) * self.scale)
             .to_array()
-            .map(|x| (x as i32).clamp(0, BINS as i32 - 1) as usize)
+            .map(|x| (x as i32).clamp(0, N as i32 - 1) as usize)
     }
 
-    fn fill(&self, refs: &[Reference]) -> Bins {
+    fn fill(&self, refs: &[Reference]) -> Bins<N> {
         if refs.len() >= 4 * PARALLEL {
-            let empty = || [[Bin::EMPTY; BINS]; 3];
+            let empty = || [[Bin::EMPTY; N]; 3];
             return refs.par_chunks(PARALLEL).map(|c| self.fill_few(c)).reduce(empty, |mut a, b| {
                 for (a, b) in a.as_flattened_mut().iter_mut().zip(b.as_flattened()) {
                     *a = a.union(*b);
@@ -216,8 +227,8 @@ impl Binning {
         self.fill_few(refs)
     }
 
-    fn fill_few(&self, refs: &[Reference]) -> Bins {
-        let mut bins = [[Bin::EMPTY; BINS]; 3];
+    fn fill_few(&self, refs: &[Reference]) -> Bins<N> {
+        let mut bins = [[Bin::EMPTY; N]; 3];
         for r in refs {
             let one = Bin { lo: r.lo(), hi: r.hi(), count: 1 };
             for (axis, bin) in self.bins(r).into_iter().enumerate() {
@@ -229,12 +240,12 @@ impl Binning {
 }
 
 /// Splits where area × count is least, and returns the left side's length; `None` if all centres coincide.
-fn split_by_area(refs: &mut [Reference], extent: &Extent) -> Option<usize> {
+fn split_by_area<const N: usize>(refs: &mut [Reference], extent: &Extent) -> Option<usize> {
     let d = extent.center_hi - extent.center_lo;
-    let binning = Binning {
+    let binning = Binning::<N> {
         origin: extent.center_lo,
-        // A little less than BINS, so that the last centre lands in the last bin.
-        scale: Vec3A::splat(BINS as f32 * 0.999_99) / d,
+        // A little less than N, so that the last centre lands in the last bin.
+        scale: Vec3A::splat(N as f32 * 0.999_99) / d,
     };
     let bins = binning.fill(refs);
     let mut best = (f32::INFINITY, 0, 0);
@@ -242,14 +253,14 @@ fn split_by_area(refs: &mut [Reference], extent: &Extent) -> Option<usize> {
         if !(d[axis] > 0.0 && binning.scale[axis].is_finite()) {
             continue;
         }
-        let mut right = [0.0; BINS];
+        let mut right = [0.0; N];
         let mut sum = Bin::EMPTY;
-        for i in (1..BINS).rev() {
+        for i in (1..N).rev() {
             sum = sum.union(bins[axis][i]);
             right[i] = if sum.count == 0 { f32::INFINITY } else { sum.cost() };
         }
         let mut sum = Bin::EMPTY;
-        for i in 1..BINS {
+        for i in 1..N {
             sum = sum.union(bins[axis][i - 1]);
             let cost = if sum.count == 0 { f32::INFINITY } else { sum.cost() + right[i] };
             if cost < best.0 {
