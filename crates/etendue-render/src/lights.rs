@@ -361,3 +361,78 @@ fn punctual_sample(l: &Light, from: Vec3A, probability: f32) -> Option<LightSamp
     let radiance = Spectrum::from_rgb((l.intensity * strength).to_array());
     Some(LightSample { wi, distance, radiance, pdf: probability, delta: true })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::Sampler;
+    use etendue_scene::{Instance, Material, Mesh, Scene};
+    use etendue_trace::Ray;
+    use glam::{Affine3A, Vec3};
+
+    /// Two rectangles near a point, one of them two-sided.
+    fn world() -> World {
+        let mut s = Scene::default();
+        for (k, (center, two_sided)) in
+            [(Vec3::new(0.0, 0.2, 0.0), true), (Vec3::new(2.0, 1.0, 0.3), false)].into_iter().enumerate()
+        {
+            let p = |x: f32, z: f32| center + Vec3::new(x, 0.1 * x, 0.5 * z);
+            s.meshes.push(Mesh {
+                positions: vec![p(-1.0, -1.0), p(1.0, -1.0), p(1.0, 1.0), p(-1.0, 1.0)],
+                indices: vec![[0, 1, 2], [0, 2, 3]],
+                ..Mesh::default()
+            });
+            s.materials.push(Material {
+                emissive: Vec3::splat(2.0 + k as f32),
+                double_sided: two_sided,
+                ..Material::default()
+            });
+            s.instances.push(Instance {
+                name: String::new(),
+                mesh: k as u32,
+                material: Some(k as u32),
+                transform: Affine3A::IDENTITY,
+            });
+        }
+        World::new(s).expect("sound")
+    }
+
+    /// What `sample` says of its density is what `hit_pdf` says of the ray that finds the same point, and that density
+    /// integrates over all directions to the share of samples that there are.
+    #[test]
+    fn both_ways_to_a_lamp_agree_on_the_density() {
+        let w = world();
+        for (p, n) in [
+            (Vec3A::ZERO, Vec3A::Y),
+            (Vec3A::new(0.3, 0.5, 0.1), Vec3A::NEG_Y),
+            (Vec3A::new(1.5, -1.0, 0.0), Vec3A::new(0.6, 0.8, 0.0)),
+        ] {
+            let choice = w.lights.choose(p, n);
+            let count = 1 << 16;
+            let (mut there, mut integral) = (0u32, 0.0f64);
+            for i in 0..count {
+                let [u0, u1, pick, _] = Sampler::new(3, 0, 0, i).get4(0);
+                if let Some(s) = w.lights.sample(&w, &choice, pick, [u0, u1]) {
+                    there += 1;
+                    let ray = Ray { t_min: s.distance * 0.999, ..Ray::new(p, s.wi) };
+                    if let Some(hit) = w.accel.closest(&ray, &|_, _, _, _| true) {
+                        let pdf = w.lights.hit_pdf(&w, &choice, &hit, s.wi);
+                        assert!((pdf - s.pdf).abs() < 1e-2 * s.pdf, "{pdf} {} at {p}", s.pdf);
+                    }
+                }
+                let d = etendue_bxdf::sampling::uniform_sphere([u0, u1]);
+                let mut ray = Ray::new(p, d);
+                while let Some(hit) = w.accel.closest(&ray, &|_, _, _, _| true) {
+                    let front = crate::surface::Surface::new(&w, &hit, d).front;
+                    if front || w.scene.materials[hit.instance as usize].double_sided {
+                        integral += f64::from(w.lights.hit_pdf(&w, &choice, &hit, d));
+                    }
+                    ray.t_min = hit.t;
+                }
+            }
+            let integral = integral * 4.0 * std::f64::consts::PI / f64::from(count);
+            let share = f64::from(there) / f64::from(count);
+            assert!((integral - share).abs() < 0.02, "{integral} of {share} at {p}");
+        }
+    }
+}

@@ -179,13 +179,14 @@ pub(crate) fn trace<const LAYERS: bool>(
                 let e = closure.eval_pdf(wo, wi);
                 if !e.value().is_black() && !light.radiance.is_black() {
                     let from = surface.origin(world, light.wi);
-                    // Up to just before the light itself.
-                    let t_max = if light.distance.is_finite() {
-                        light.distance * (1.0 - 1e-4) - world.epsilon
+                    // From where the ray really starts to the point on the light, and not quite there: aimed along `wi` it
+                    // would meet a slanted light too early.
+                    let ray = if light.distance.is_finite() {
+                        let to = surface.lifted + light.wi * light.distance - from;
+                        Ray { origin: from, direction: to, t_min: 0.0, t_max: 1.0 - 1e-4 }
                     } else {
-                        f32::INFINITY
+                        Ray::new(from, light.wi)
                     };
-                    let ray = Ray { origin: from, direction: light.wi, t_min: 0.0, t_max };
                     out.rays[1] += 1;
                     if !world.occluded(&ray, sampler.hash(bounce * 2 + 1)) {
                         let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, e.pdf) };
