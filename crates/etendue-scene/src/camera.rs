@@ -1,7 +1,7 @@
 //! Where the picture is taken from.
 
-use crate::Bounds;
-use glam::{Affine3A, Mat3A, Vec3, Vec3A};
+use crate::Scene;
+use glam::{Affine3A, DVec3, Mat3A, Vec3, Vec3A};
 
 /// How the camera maps directions to the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,20 +42,68 @@ impl Camera {
         Self { name: String::new(), transform, projection: Projection::Perspective { yfov }, aspect: None }
     }
 
-    /// A camera that shows all of `bounds`, from the front, a little to the right and above, as a product photographer
-    /// would start. `aspect` is width over height.
-    pub fn framing(bounds: &Bounds, aspect: f32, yfov: f32) -> Self {
-        let (center, radius) = if bounds.is_empty() {
-            (Vec3A::ZERO, 1.0)
-        } else {
-            (bounds.center(), bounds.diagonal().max(1e-6) * 0.5)
+    /// A camera that shows all of `scene`'s triangles, from the front, a little to the right and above, as a product
+    /// photographer would start; see [`Camera::framing_points`].
+    pub fn framing(scene: &Scene, aspect: f32, yfov: f32) -> Self {
+        let points = scene.instances.iter().flat_map(|i| {
+            let mesh = &scene.meshes[i.mesh as usize];
+            // Only corners of triangles: vertices that no triangle uses are not seen.
+            let corners = mesh.indices.iter().flatten().map(|&k| mesh.positions[k as usize]);
+            corners.map(|p| i.transform.transform_point3a(p.into()))
+        });
+        Self::framing_points(points, aspect, yfov)
+    }
+
+    /// A camera that shows all of `points`, from the front, a little to the right and above: as near as possible, so that
+    /// their picture fills 88 % of the width or of the height, in the middle of both.
+    ///
+    /// `aspect` is width over height, `yfov` the vertical field of view in radians. Points that are not finite do not count;
+    /// without any the camera shows a cube of one metre at the origin.
+    ///
+    /// In the camera's axes, with the camera at (cx, cy, cz), a point lies inside the right edge of the filled frame if
+    /// x − cx ≤ k (cz − z), where k is the tangent of half the frame's width, that is, if x + k z ≤ cx + k cz; the other edges
+    /// likewise. So the largest x + k z and −x + k z over all points give the nearest cz and the best cx, without iteration.
+    pub fn framing_points(points: impl IntoIterator<Item = Vec3A>, aspect: f32, yfov: f32) -> Self {
+        const FILL: f64 = 0.88;
+        let view = Vec3::new(0.45, 0.22, 1.0);
+        let mut camera = Self::look_at(view, Vec3::ZERO, Vec3::Y, yfov);
+        let axes = camera.transform.matrix3;
+        let [right, up, back] = [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.as_dvec3());
+        let half = (f64::from(yfov) * 0.5).clamp(1e-4, 1.57).tan() * FILL;
+        let k = [half * f64::from(aspect).clamp(1e-3, 1e3), half];
+
+        // Largest of ±x + k z and ±y + k z, and the box in the camera's axes.
+        let mut edges = [f64::NEG_INFINITY; 4];
+        let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let mut include = |p: Vec3A| {
+            let p = p.as_dvec3();
+            let q = DVec3::new(p.dot(right), p.dot(up), p.dot(back));
+            let sides = [q.x + k[0] * q.z, k[0] * q.z - q.x, q.y + k[1] * q.z, k[1] * q.z - q.y];
+            (0..4).for_each(|i| edges[i] = edges[i].max(sides[i]));
+            bounds = [bounds[0].min(q), bounds[1].max(q)];
         };
-        let narrow = yfov.min(2.0 * ((yfov * 0.5).tan() * aspect.max(1e-3)).atan());
-        let direction = Vec3::new(0.45, 0.22, 1.0).normalize();
-        // The bounding sphere would always fit; a model seldom fills it, so stand a little closer.
-        let distance = 0.88 * radius / (narrow * 0.5).sin();
-        let center = Vec3::from(center);
-        Self::look_at(center + direction * distance, center, Vec3::Y, yfov)
+        let mut any = false;
+        for p in points.into_iter().filter(|p| p.is_finite()) {
+            include(p);
+            any = true;
+        }
+        if !any {
+            (0..8).for_each(|i| {
+                include(Vec3A::from([0, 1, 2].map(|axis| (i >> axis & 1) as f32 - 0.5)));
+            });
+        }
+        // What has no depth in front of the camera (a point, a line towards it) still needs some room.
+        let size = (bounds[1] - bounds[0]).length();
+        let room = if size > 0.0 { size * 0.05 } else { 1.0 };
+        let [right_most, left_most, top_most, bottom_most] = edges;
+        let cz = ((right_most + left_most) / (2.0 * k[0]))
+            .max((top_most + bottom_most) / (2.0 * k[1]))
+            .max(bounds[1].z + room);
+        let eye =
+            right * ((right_most - left_most) * 0.5) + up * ((top_most - bottom_most) * 0.5) + back * cz;
+        let most = DVec3::splat(f64::from(f32::MAX) * 0.25);
+        camera.transform.translation = eye.clamp(-most, most).as_vec3a();
+        camera
     }
 
     /// The camera's rays for a picture `aspect` times as wide as high.
@@ -104,5 +152,99 @@ impl CameraRays {
         } else {
             (self.origin + offset, self.axis)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where the camera sees `p`: x and y in −1..1 over the picture, and the distance along its axis.
+    fn project(c: &Camera, aspect: f32, p: Vec3A) -> [f32; 3] {
+        let Projection::Perspective { yfov } = c.projection else { panic!("a pinhole") };
+        let q = c.transform.inverse().transform_point3a(p);
+        let t = (yfov * 0.5).tan();
+        [q.x / (-q.z * t * aspect), q.y / (-q.z * t), -q.z]
+    }
+
+    fn extent(c: &Camera, aspect: f32, points: &[Vec3A]) -> [[f32; 2]; 2] {
+        let mut b = [[f32::MAX, f32::MIN]; 2];
+        for p in points {
+            let q = project(c, aspect, *p);
+            assert!(q[2] > 0.0, "{p} lies behind the camera: {q:?}");
+            (0..2).for_each(|i| b[i] = [b[i][0].min(q[i]), b[i][1].max(q[i])]);
+        }
+        b
+    }
+
+    fn cube(center: Vec3A, size: Vec3A) -> Vec<Vec3A> {
+        (0..8).map(|i| center + size * Vec3A::from([0, 1, 2].map(|a| (i >> a & 1) as f32 - 0.5))).collect()
+    }
+
+    #[test]
+    fn framing_fills_the_picture_and_centres() {
+        let shapes =
+            [Vec3A::ONE, Vec3A::new(10.0, 0.1, 3.0), Vec3A::new(0.2, 7.0, 0.0), Vec3A::new(30.0, 0.0, 30.0)];
+        for scale in [1e-12f32, 1.0, 1e12] {
+            for shape in shapes {
+                for aspect in [0.3, 1.0, 16.0 / 9.0, 10.0] {
+                    for yfov in [0.05f32, 0.6, 2.0] {
+                        let points = cube(shape * scale * 0.3, shape * scale);
+                        let c = Camera::framing_points(points.iter().copied(), aspect, yfov);
+                        let b = extent(&c, aspect, &points);
+                        let sides = b.map(|[lo, hi]| (hi - lo) * 0.5);
+                        let what = format!("{shape} × {scale}, {aspect}, {yfov}: {b:?}");
+                        let filled = sides[0].max(sides[1]);
+                        assert!(filled < 0.885, "{what}");
+                        // A very wide lens may be held back by the room that it keeps to the nearest point.
+                        let wide = (yfov * 0.5).tan() * aspect.max(1.0) > 1.0;
+                        assert!(filled > 0.875 || wide, "{what}");
+                        let tight = usize::from(sides[1] > sides[0]);
+                        assert!(wide || (b[tight][0] + b[tight][1]).abs() < 0.01, "{what}");
+                        assert!(b.iter().flatten().all(|v| v.abs() < 0.89), "{what}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn framing_survives_odd_scenes() {
+        let nan = Vec3A::new(f32::NAN, 0.0, 0.0);
+        let far = Vec3A::splat(f32::MAX);
+        let view = Vec3A::new(0.45, 0.22, 1.0);
+        let odd: [&[Vec3A]; 7] =
+            [&[], &[nan], &[Vec3A::ONE], &[far, -far], &[nan, Vec3A::X, Vec3A::Y], &[-view, view], &[far]];
+        for points in odd {
+            for (aspect, yfov) in [(1.0, 0.6), (0.0, 0.0), (f32::MAX, std::f32::consts::PI)] {
+                let c = Camera::framing_points(points.iter().copied(), aspect, yfov);
+                assert!(c.transform.is_finite(), "{points:?} {aspect} {yfov}: {c:?}");
+            }
+        }
+        // A point, and a line towards the camera, are in front of it.
+        for points in [&[Vec3A::ONE][..], &[-view, view]] {
+            let c = Camera::framing_points(points.iter().copied(), 1.0, 0.6);
+            extent(&c, 1.0, points);
+        }
+        // Nothing at all: what would hold a cube of a metre.
+        assert_eq!(
+            Camera::framing(&Scene::default(), 1.0, 0.6),
+            Camera::framing_points(cube(Vec3A::ZERO, Vec3A::ONE), 1.0, 0.6)
+        );
+    }
+
+    #[test]
+    fn framing_looks_at_triangles_where_they_stand() {
+        let mesh = crate::Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::splat(100.0)],
+            indices: vec![[0, 1, 2]],
+            ..Default::default()
+        };
+        let transform = Affine3A::from_translation(Vec3::new(5.0, 0.0, 0.0));
+        let instance = crate::Instance { name: String::new(), mesh: 0, material: None, transform };
+        let scene = Scene { meshes: vec![mesh], instances: vec![instance], ..Scene::default() };
+        let points = [Vec3A::new(5.0, 0.0, 0.0), Vec3A::new(6.0, 0.0, 0.0), Vec3A::new(5.0, 1.0, 0.0)];
+        // Without the vertex that no triangle uses.
+        assert_eq!(Camera::framing(&scene, 1.0, 0.6), Camera::framing_points(points, 1.0, 0.6));
     }
 }

@@ -6,8 +6,8 @@
 //! ```
 //! use etendue::{builtin, render, scene};
 //! let model = builtin::helmet()?;
+//! let camera = scene::Camera::framing(&model, 1.0, 0.6);
 //! let world = render::World::new(model)?;
-//! let camera = scene::Camera::framing(&world.accel().bounds(), 1.0, 0.6);
 //! let settings = render::Settings { width: 16, height: 16, ..Default::default() };
 //! let renderer = render::Renderer::new(&world, camera, settings);
 //! let mut film = renderer.film();

@@ -4,6 +4,7 @@ use crate::color::ToneCurve;
 use crate::render::{Filter, PassSet};
 use clap::{Args, Parser, Subcommand};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -34,9 +35,11 @@ pub(crate) enum Command {
 #[derive(Clone, Debug, Default, Args, Serialize, Deserialize)]
 pub(crate) struct RenderArgs {
     /// A .glb or .gltf file; the built-in helmet if absent
+    #[serde(with = "path")]
     pub model: Option<PathBuf>,
     /// Where the picture goes: .png .jpg .webp (developed), .exr .hdr (light) [default: MODEL.png, or etendue.png]
     #[arg(short, long, value_name = "FILE")]
+    #[serde(with = "path")]
     pub output: Option<PathBuf>,
     /// Sky: a .hdr or .exr file, `studio` (built in), `none`, or a colour as R,G,B (linear) [default: studio]
     #[arg(long, value_name = "SKY", help_heading = "Scene")]
@@ -47,6 +50,7 @@ pub(crate) struct RenderArgs {
         value_name = "DEG",
         default_value_t = 0.0,
         allow_negative_numbers = true,
+        value_parser = finite,
         help_heading = "Scene"
     )]
     pub env_rotation: f32,
@@ -54,7 +58,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = non_negative, help_heading = "Scene")]
     pub env_intensity: f32,
     /// Evaluate the model's animation at this time instead of at rest
-    #[arg(long, value_name = "SECONDS", help_heading = "Scene")]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = finite, help_heading = "Scene")]
     pub at: Option<f32>,
     /// Let the model read files outside its own folder
     #[arg(long, help_heading = "Scene")]
@@ -84,16 +88,17 @@ pub(crate) struct RenderArgs {
     /// Leave the sky out of the picture: transparent where there is no surface
     #[arg(long, help_heading = "Picture")]
     pub transparent: bool,
-    /// Record passes into a layered .exr: albedo,normal,position,depth,uv,direct,indirect,diffuse,specular,emission,environment,object,material or all
-    #[arg(long, value_name = "LIST", default_value_t, value_parser = PassSet::parse, help_heading = "Picture")]
+    /// Record passes into a layered .exr, separated by commas: albedo, normal, position, depth, uv, direct, indirect, diffuse, specular, emission, environment, object, material, or all
+    #[arg(long, value_name = "LIST", default_value_t, hide_default_value = true, value_parser = PassSet::parse, help_heading = "Picture")]
     #[serde(with = "passes")]
     pub passes: PassSet,
     #[command(flatten)]
+    #[serde(flatten)]
     pub develop: DevelopArgs,
     /// Samples per pixel [default: 64, or as many as --noise or --time need]
     #[arg(short = 'n', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Work")]
     pub spp: Option<u32>,
-    /// Stop when the estimated relative error of the picture falls below this, e.g. 0.01
+    /// Stop when the estimated relative error of the picture falls below this, e.g. 0.01 (at the same sample on every machine)
     #[arg(long, value_name = "E", value_parser = positive, help_heading = "Work")]
     pub noise: Option<f32>,
     /// Stop after this time, e.g. 60s, 5m, 1h
@@ -116,9 +121,14 @@ pub(crate) struct RenderArgs {
     pub threads: Option<u32>,
     /// Keep the film here (sums of samples, to resume or merge)
     #[arg(long, value_name = "FILE", help_heading = "Work")]
+    #[serde(with = "path")]
     pub film: Option<PathBuf>,
+    /// Write the film at least this often during the work, so that little is lost if the run is killed
+    #[arg(long, value_name = "TIME", default_value = "30s", value_parser = duration, help_heading = "Work")]
+    pub checkpoint: Duration,
     /// Go on from a film; options that are not given are taken from it
     #[arg(long, value_name = "FILM", help_heading = "Work")]
+    #[serde(with = "path")]
     pub resume: Option<PathBuf>,
     /// Rewrite the output while it refines
     #[arg(long, help_heading = "Report")]
@@ -129,6 +139,17 @@ pub(crate) struct RenderArgs {
     /// Print nothing but errors
     #[arg(short, long, help_heading = "Report")]
     pub quiet: bool,
+    /// Names of the fields that stood on the command line, as opposed to defaults.
+    #[arg(skip)]
+    #[serde(skip)]
+    pub given: BTreeSet<String>,
+}
+
+/// Names of the arguments that stood on the command line.
+pub(crate) fn given(matches: &clap::ArgMatches) -> BTreeSet<String> {
+    let on_line =
+        |id: &&clap::Id| matches.value_source(id.as_str()) == Some(clap::parser::ValueSource::CommandLine);
+    matches.ids().filter(on_line).map(|id| id.to_string()).collect()
 }
 
 impl RenderArgs {
@@ -171,12 +192,15 @@ pub(crate) struct MergeArgs {
     pub output: PathBuf,
     #[command(flatten)]
     pub develop: DevelopArgs,
-    /// Transparent where there is no surface
-    #[arg(long)]
-    pub transparent: bool,
     /// Print one JSON report to standard output
     #[arg(long)]
     pub json: bool,
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// As in [`RenderArgs`].
+    #[arg(skip)]
+    pub given: BTreeSet<String>,
 }
 
 #[derive(Debug, Args)]
@@ -191,6 +215,9 @@ pub(crate) struct TonemapArgs {
     pub layer: String,
     #[command(flatten)]
     pub develop: DevelopArgs,
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 #[derive(Debug, Args)]
@@ -293,6 +320,18 @@ mod text {
         d: D,
     ) -> Result<T, D::Error> {
         String::deserialize(d)?.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+/// Paths as text, so that one which is not Unicode does not spoil the film.
+mod path {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::path::PathBuf;
+    pub fn serialize<S: Serializer>(v: &Option<PathBuf>, s: S) -> Result<S::Ok, S::Error> {
+        v.as_ref().map(|p| p.to_string_lossy()).serialize(s)
+    }
+    pub fn deserialize<'a, D: Deserializer<'a>>(d: D) -> Result<Option<PathBuf>, D::Error> {
+        Option::deserialize(d)
     }
 }
 

@@ -1,8 +1,8 @@
 //! The fixed scenes of `etendue bench`, made from nothing but numbers.
 
 use crate::builtin;
-use crate::scene::{Bounds, Camera, Environment, Instance, Material, Mesh, Scene};
-use glam::{Affine3A, Quat, Vec3};
+use crate::scene::{Camera, Environment, Instance, Material, Mesh, Scene};
+use glam::{Affine3A, Quat, Vec3, Vec3A};
 use std::f32::consts::{PI, TAU};
 
 /// A scene to measure on.
@@ -48,7 +48,7 @@ impl Sequence {
 
 fn helmet() -> Result<BenchScene, super::CliError> {
     let scene = builtin::helmet().map_err(|e| super::CliError::Other(e.to_string()))?;
-    let camera = Camera::framing(&scene.bounds(), 1.0, 35f32.to_radians());
+    let camera = Camera::framing(&scene, 1.0, 35f32.to_radians());
     Ok(BenchScene { name: "helmet", what: "the built-in helmet and studio", scene, camera })
 }
 
@@ -203,9 +203,8 @@ fn forest() -> Result<BenchScene, super::CliError> {
             .instances
             .extend(one.iter().map(|i| Instance { transform: place * i.transform, ..i.clone() }));
     }
-    let mut bounds = Bounds::EMPTY;
-    bounds.include(Vec3::splat(-8.0).into());
-    bounds.include(Vec3::splat(8.0).into());
-    let camera = Camera::framing(&bounds, 1.0, 35f32.to_radians());
+    // The middle of the crowd, not all of it.
+    let corners = (0..8).map(|i| Vec3A::from([0, 1, 2].map(|a| if i >> a & 1 == 0 { -8.0 } else { 8.0 })));
+    let camera = Camera::framing_points(corners, 1.0, 35f32.to_radians());
     Ok(BenchScene { name: "forest", what: "2,000 helmets, two levels of instances", camera, scene: b.scene })
 }

@@ -14,7 +14,7 @@ pub enum CliError {
     Usage(String),
     /// The model does not load.
     #[error(transparent)]
-    #[diagnostic(help("`etendue info FILE` tells what the file holds"))]
+    #[diagnostic(help("{}", import_help(_0)))]
     Import(#[from] Box<ImportError>),
     /// An environment or picture does not load or cannot be written.
     #[error(transparent)]
@@ -29,7 +29,7 @@ pub enum CliError {
         source: std::io::Error,
     },
     /// A file cannot be written.
-    #[error("cannot write {path}: {source}", path = path.display())]
+    #[error("cannot write {}: {}", path.display(), cause(path, source))]
     Write {
         /// The file.
         path: PathBuf,
@@ -37,7 +37,7 @@ pub enum CliError {
         source: std::io::Error,
     },
     /// A film file is damaged or something else.
-    #[error("{path}: {source}", path = path.display())]
+    #[error("{}: {source}", path.display())]
     #[diagnostic(help("film files are written by `etendue render --film FILE`"))]
     Film {
         /// The file.
@@ -56,9 +56,27 @@ pub enum CliError {
         /// Why not.
         source: MergeError,
     },
+    /// A film cannot be continued with these arguments.
+    #[error("cannot go on from {}: {why}", path.display())]
+    #[diagnostic(help("leave out what changes the picture, or render anew without --resume"))]
+    Resume {
+        /// The film.
+        path: PathBuf,
+        /// What would make it another picture.
+        why: String,
+    },
+    /// The work is done but the picture cannot be written; the samples are kept.
+    #[error("{cause}")]
+    #[diagnostic(help("the samples are kept: etendue merge {} -o PICTURE", shell_word(&film.to_string_lossy())))]
+    Unwritten {
+        /// What went wrong.
+        cause: Box<CliError>,
+        /// Where the samples are.
+        film: PathBuf,
+    },
     /// The user stopped the run; what was done is kept.
     #[error("interrupted after {done}; {} and {} are written", picture.display(), film.display())]
-    #[diagnostic(help("go on with: etendue render --resume {}", film.display()))]
+    #[diagnostic(help("go on with: etendue render --resume {}", shell_word(&film.to_string_lossy())))]
     Interrupted {
         /// How far it got.
         done: String,
@@ -79,6 +97,34 @@ fn absolute(path: &std::path::Path) -> String {
     std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()).display().to_string()
 }
 
+/// What the system says, without the path that some messages begin with.
+fn cause(path: &std::path::Path, source: &std::io::Error) -> String {
+    let (text, prefix) = (source.to_string(), format!("{}: ", path.display()));
+    text.strip_prefix(&prefix).unwrap_or(&text).to_string()
+}
+
+fn import_help(e: &ImportError) -> String {
+    match e {
+        ImportError::Read { file, .. } => format!("looked for it at {}", absolute(file.as_ref())),
+        ImportError::Missing { reason, .. } if reason.contains("outside") => {
+            "--allow-outside lets the model read files outside its own folder".into()
+        }
+        ImportError::Missing { .. } => "a .gltf file needs its buffers and images beside it".into(),
+        ImportError::Unsupported { .. } => "export the model without it".into(),
+        ImportError::TooLarge { .. } => "programs that use the library can raise its `Limits`".into(),
+        _ => "https://github.khronos.org/glTF-Validator examines a file in detail".into(),
+    }
+}
+
+/// `text` so that a shell takes it as one word.
+pub(crate) fn shell_word(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%^".contains(c) || !c.is_ascii();
+    if !text.is_empty() && text.chars().all(plain) {
+        return text.to_string();
+    }
+    format!("'{}'", text.replace('\'', "'\\''"))
+}
+
 impl CliError {
     /// 2 for wrong usage, 1 for anything else.
     pub fn exit_code(&self) -> u8 {
@@ -89,5 +135,24 @@ impl CliError {
 impl From<ImportError> for CliError {
     fn from(e: ImportError) -> Self {
         Self::Import(Box::new(e))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_survive_a_shell() {
+        assert_eq!(shell_word("a/b-c.film"), "a/b-c.film");
+        assert_eq!(shell_word("my film.film"), "'my film.film'");
+        assert_eq!(shell_word("it's"), r"'it'\''s'");
+        assert_eq!(shell_word(""), "''");
+    }
+
+    #[test]
+    fn a_path_is_named_once() {
+        let e = CliError::Write { path: "a.png".into(), source: std::io::Error::other("a.png: no space") };
+        assert_eq!(e.to_string(), "cannot write a.png: no space");
     }
 }

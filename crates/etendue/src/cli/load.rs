@@ -5,8 +5,7 @@ use super::args::RenderArgs;
 use crate::builtin;
 use crate::image::read_environment;
 use crate::import::{ImportOptions, Imported, Limits, import};
-use crate::render::World;
-use crate::scene::{Camera, Environment, Projection};
+use crate::scene::{Camera, Environment, Projection, Scene};
 use glam::Vec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -21,11 +20,11 @@ pub(crate) fn model(path: Option<&Path>, at: Option<f32>, allow_outside: bool) -
     })
 }
 
-/// The sky that the arguments name, and how many of its pixels had to be mended.
-pub(crate) fn environment(args: &RenderArgs) -> Result<(Environment, u64), CliError> {
+/// The sky that the arguments name, and what was done to it beyond reading it.
+pub(crate) fn environment(args: &RenderArgs) -> Result<(Environment, Vec<String>), CliError> {
     let rotation = args.env_rotation.to_radians();
     let sky = args.env.as_deref().unwrap_or("studio");
-    let constant = |c: [f32; 3]| (Environment::Constant(Vec3::from(c) * args.env_intensity), 0);
+    let constant = |c: [f32; 3]| (Environment::Constant(Vec3::from(c) * args.env_intensity), Vec::new());
     if sky == "none" {
         return Ok(constant([0.0; 3]));
     }
@@ -37,28 +36,30 @@ pub(crate) fn environment(args: &RenderArgs) -> Result<(Environment, u64), CliEr
     }
     let path = Path::new(sky);
     if sky == "studio" && !path.exists() {
-        return Ok((builtin::studio(rotation, args.env_intensity)?, 0));
+        return Ok((builtin::studio(rotation, args.env_intensity)?, Vec::new()));
     }
     if let Err(source) = std::fs::metadata(path) {
         return Err(CliError::Read { path: path.to_path_buf(), source });
     }
     let e = read_environment(path)?;
     let image = Arc::new(e.image);
-    Ok((Environment::LatLong { image, rotation, intensity: args.env_intensity }, e.repaired))
+    let notes = e.notes.iter().map(|n| format!("{sky}: {n}")).collect();
+    Ok((Environment::LatLong { image, rotation, intensity: args.env_intensity }, notes))
 }
 
 /// Default vertical field of view, degrees.
 const VFOV: f32 = 35.0;
 
 /// Picture size and camera.
-pub(crate) fn camera(args: &RenderArgs, world: &World) -> Result<(Camera, (u32, u32)), CliError> {
+pub(crate) fn camera(args: &RenderArgs, scene: &Scene) -> Result<(Camera, (u32, u32)), CliError> {
     let mut camera = match &args.camera {
-        Some(which) => Some(file_camera(which, &world.scene().cameras)?),
+        Some(which) => Some(file_camera(which, &scene.cameras)?),
         None => None,
     };
     let aspect = camera.as_ref().and_then(|c| c.aspect).filter(|a| a.is_finite() && *a > 0.0);
     let size = args.size.unwrap_or_else(|| match aspect {
-        Some(a) => (((512.0 * a).round() as u32).clamp(1, 65536), 512),
+        // A file may ask for any shape; a thread is no picture.
+        Some(a) => (((512.0 * a.clamp(0.1, 10.0)).round() as u32), 512),
         None => (512, 512),
     });
     if let (Some(c), Some(v)) = (&mut camera, args.vfov) {
@@ -73,19 +74,28 @@ pub(crate) fn camera(args: &RenderArgs, world: &World) -> Result<(Camera, (u32, 
         return Ok((c, size));
     }
     let vfov = args.vfov.unwrap_or(VFOV).to_radians();
-    let bounds = world.accel().bounds();
     let camera = match args.eye {
-        None => Camera::framing(&bounds, size.0 as f32 / size.1 as f32, vfov),
+        None => Camera::framing(scene, size.0 as f32 / size.1 as f32, vfov),
         Some(eye) => {
+            let bounds = scene.bounds();
             let target = args.target.map_or_else(
                 || if bounds.is_empty() { Vec3::ZERO } else { bounds.center().into() },
                 |t| Vec3::from(t.0),
             );
-            let up = args.up.map_or(Vec3::Y, |u| Vec3::from(u.0));
             let eye = Vec3::from(eye.0);
-            if eye == target {
+            let Some(view) = (target - eye).try_normalize() else {
                 return Err(CliError::Usage("--eye and --target are the same point".into()));
-            }
+            };
+            let along = |up: Vec3| up.normalize_or_zero().cross(view).length() < 1e-4;
+            let up = match args.up {
+                Some(u) if along(Vec3::from(u.0)) => {
+                    return Err(CliError::Usage("--up points along the view, or nowhere".into()));
+                }
+                Some(u) => Vec3::from(u.0),
+                // Straight down or up: as on a map, away from the viewer is up.
+                None if along(Vec3::Y) => Vec3::NEG_Z,
+                None => Vec3::Y,
+            };
             Camera::look_at(eye, target, up, vfov)
         }
     };
@@ -97,7 +107,8 @@ fn file_camera(which: &str, cameras: &[Camera]) -> Result<Camera, CliError> {
     if let Some(c) = by_number.or_else(|| cameras.iter().find(|c| c.name == which)) {
         return Ok(c.clone());
     }
-    let list: Vec<_> = cameras.iter().enumerate().map(|(i, c)| format!("{i} ({})", c.name)).collect();
+    let name = |c: &Camera| if c.name.is_empty() { String::new() } else { format!(" ({})", c.name) };
+    let list: Vec<_> = cameras.iter().enumerate().map(|(i, c)| format!("{i}{}", name(c))).collect();
     Err(CliError::Usage(if list.is_empty() {
         format!(
             "there is no camera {which}: the file has none; use --eye and --target, or neither to frame the model"

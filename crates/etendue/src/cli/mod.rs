@@ -4,27 +4,35 @@ mod args;
 mod bench;
 mod bench_scenes;
 mod error;
+mod goal;
 mod info;
 mod load;
 mod merge;
 mod output;
 mod progress;
 mod render;
+mod report;
+mod resume;
+mod target;
 mod tonemap;
+mod work;
 
 use args::{Cli, Command};
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches};
 pub use error::CliError;
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::process::ExitCode;
 
 /// Runs the program: 0 done, 2 wrong usage, 1 anything else.
 pub fn main() -> ExitCode {
     // clap itself ends the program with 2 for arguments that it does not understand, and 0 after --help.
-    let cli = Cli::parse();
+    let matches = Cli::command().get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
+    let given = matches.subcommand().map(|(_, m)| args::given(m)).unwrap_or_default();
     let result = match cli.command {
         None => render::run(args::RenderArgs::builtin()),
-        Some(Command::Render(a)) => render::run(*a),
-        Some(Command::Merge(a)) => merge::run(&a),
+        Some(Command::Render(a)) => render::run(args::RenderArgs { given, ..*a }),
+        Some(Command::Merge(a)) => merge::run(&args::MergeArgs { given, ..a }),
         Some(Command::Tonemap(a)) => tonemap::run(&a),
         Some(Command::Info(a)) => info::run(&a),
         Some(Command::Bench(a)) => bench::run(&a),
@@ -33,20 +41,37 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) => {
             let code = e.exit_code();
-            // A closed pipe while reporting is nothing to report.
-            let _ = std::io::Write::write_all(
-                &mut std::io::stderr(),
-                format!("{:?}\n", miette::Report::new(e)).as_bytes(),
-            );
+            show(e);
             ExitCode::from(code)
         }
     }
 }
 
-/// Prints to standard output; a reader that went away (`| head`) ends the program quietly.
+/// Prints an error to standard error: lines are wrapped for a terminal only, so that a program finds names in one piece.
+fn show(e: CliError) {
+    let hook = miette::set_hook(Box::new(|_| {
+        let wrap = std::io::stderr().is_terminal();
+        // Each message already contains its cause.
+        let options =
+            miette::MietteHandlerOpts::new().without_cause_chain().wrap_lines(wrap).break_words(false);
+        Box::new(options.build())
+    }));
+    // It fails only if a hook was set before, which then does the work.
+    drop(hook);
+    note_line(format!("{:?}", miette::Report::new(e)).trim_end());
+}
+
+/// Prints a line to standard error; when nobody reads it any more, that is nothing to report.
+pub(crate) fn note_line(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+/// Prints to standard output. A reader that went away (`| head`) ends the program quietly; a full disk is an error.
 pub(crate) fn say(text: &str) {
-    use std::io::Write;
-    if writeln!(std::io::stdout(), "{text}").is_err() {
+    let Err(e) = writeln!(std::io::stdout(), "{text}") else { return };
+    if e.kind() == ErrorKind::BrokenPipe {
         std::process::exit(0);
     }
+    note_line(&format!("error: cannot write to standard output: {e}"));
+    std::process::exit(1);
 }

@@ -4,11 +4,11 @@ use super::CliError;
 use super::args::DevelopArgs;
 use crate::color::ToneCurve;
 use crate::image::{
-    Depth, Development, Image, Metadata, PictureFormat, Pixels, WriteOptions, write_atomic, write_layers_exr,
-    write_picture,
+    Depth, Development, Image, ImageError, Metadata, PictureFormat, Pixels, WriteOptions, write_atomic,
+    write_layers_exr, write_picture,
 };
 use crate::render::{Film, FilmInfo};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 impl DevelopArgs {
@@ -20,6 +20,19 @@ impl DevelopArgs {
             linear: self.linear,
             depth: if self.bits.is_some_and(|b| b > 8) { Depth::Sixteen } else { Depth::Eight },
             dither: false,
+        }
+    }
+
+    /// These options where they were given, and `then`'s elsewhere.
+    pub fn over(&self, then: &Self, given: &BTreeSet<String>) -> Self {
+        let has = |name: &str| given.contains(name);
+        Self {
+            exposure: if has("exposure") { self.exposure } else { then.exposure },
+            curve: if has("curve") { self.curve } else { then.curve },
+            // A curve asked for now is not undone by a `--linear` of then.
+            linear: if has("linear") || has("curve") { self.linear } else { then.linear },
+            bits: if has("bits") { self.bits } else { then.bits },
+            quality: if has("quality") { self.quality } else { then.quality },
         }
     }
 
@@ -69,15 +82,22 @@ pub(crate) fn write_film_picture(
         let (layers, more) = film.layers(transparent, &names);
         more.entries.into_iter().for_each(|(k, v)| metadata.set(k, v));
         let half = develop.bits != Some(32);
-        write_layers_exr(path, &layers, (film.width, film.height), &metadata, half)?;
-        return Ok(());
+        return write_layers_exr(path, &layers, (film.width, film.height), &metadata, half)
+            .map_err(|e| unwritten(path, e));
     }
     let mut picture = film.picture(transparent);
     if light {
         expose(&mut picture, develop.exposure);
     }
-    write_picture(path, &picture, &develop.write_options(metadata))?;
-    Ok(())
+    write_picture(path, &picture, &develop.write_options(metadata)).map_err(|e| unwritten(path, e))
+}
+
+/// An error of writing `path`, in words that say so.
+pub(crate) fn unwritten(path: &Path, e: ImageError) -> CliError {
+    match e {
+        ImageError::Io(source) => CliError::Write { path: path.to_path_buf(), source },
+        e => e.into(),
+    }
 }
 
 /// Note of a film: the arguments that rendered it, as JSON.
@@ -94,15 +114,39 @@ pub(crate) fn write_film(path: &Path, film: &Film, info: &FilmInfo) -> Result<()
 
 /// Reads a film file.
 pub(crate) fn read_film(path: &Path) -> Result<(Film, FilmInfo), CliError> {
-    let bytes = std::fs::read(path).map_err(|source| CliError::Read { path: path.to_path_buf(), source })?;
+    let bytes = read_whole(path)?;
     Film::from_bytes(&bytes).map_err(|source| CliError::Film { path: path.to_path_buf(), source })
+}
+
+/// Reads a file that may be large but must have an end: a device has none.
+pub(crate) fn read_whole(path: &Path) -> Result<Vec<u8>, CliError> {
+    let fail = |source| CliError::Read { path: path.to_path_buf(), source };
+    let kind = std::fs::metadata(path).map_err(fail)?.file_type();
+    #[cfg(unix)]
+    let endless = std::os::unix::fs::FileTypeExt::is_char_device(&kind);
+    #[cfg(not(unix))]
+    let endless = false;
+    if endless || kind.is_dir() {
+        let what = if endless { "it is a device" } else { "it is a folder" };
+        return Err(fail(std::io::Error::new(std::io::ErrorKind::InvalidInput, what)));
+    }
+    std::fs::read(path).map_err(fail)
+}
+
+/// Memory that programs can still take, bytes, where the system tells.
+pub(crate) fn available_memory() -> Option<u64> {
+    system_kilobytes("/proc/meminfo", "MemAvailable:")
+}
+
+fn system_kilobytes(file: &str, key: &str) -> Option<u64> {
+    let text = std::fs::read_to_string(file).ok()?;
+    let line = text.lines().find_map(|l| l.strip_prefix(key))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|k| k * 1024)
 }
 
 /// Peak memory of this process so far, bytes, where the system tells.
 pub(crate) fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
-    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|k| k * 1024)
+    system_kilobytes("/proc/self/status", "VmHWM:")
 }
 
 /// `1234567` as `1.23 M`.

@@ -39,14 +39,14 @@ impl Progress {
     ) -> Self {
         let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(1000), target);
-        if let Ok(style) = ProgressStyle::with_template("{bar:28} {percent:>3}%  {msg}") {
+        if let Ok(style) = ProgressStyle::with_template("{bar:28} {percent:>3}%  {wide_msg}") {
             bar.set_style(style.progress_chars("━╸ "));
         }
         let state = Arc::new(State {
             counters,
             start: Instant::now(),
             error: AtomicU64::new(f64::INFINITY.to_bits()),
-            total: total * pixels,
+            total: total.saturating_mul(pixels),
             time,
             pixels,
             done_before: before,
@@ -72,6 +72,11 @@ impl Progress {
     /// True if somebody sees it.
     pub fn is_visible(&self) -> bool {
         self.ticker.is_some()
+    }
+
+    /// Prints something without the bar in the way.
+    pub fn suspend(&self, print: impl FnOnce()) {
+        self.bar.suspend(print);
     }
 
     /// Removes the bar.

@@ -1,40 +1,50 @@
 //! `etendue tonemap`: light into a picture, without rendering.
 
 use super::args::TonemapArgs;
-use super::output::expose;
-use super::{CliError, say};
+use super::output::{expose, read_whole, unwritten};
+use super::{CliError, say, target};
 use crate::image::{
-    ChannelData, DecodeLimits, Image, Layer, Metadata, PictureFormat, Pixels, read_environment,
+    ChannelData, DecodeLimits, Image, Layer, Metadata, PictureFormat, Pixels, decode_environment,
     read_exr_layers, write_picture,
 };
 
+/// The first bytes of every OpenEXR file.
+const EXR_MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
+
 pub(crate) fn run(args: &TonemapArgs) -> Result<(), CliError> {
-    let format = PictureFormat::from_path(&args.output)?;
-    if let Err(source) = std::fs::metadata(&args.input) {
-        return Err(CliError::Read { path: args.input.clone(), source });
-    }
-    let is_exr = PictureFormat::from_path(&args.input).is_ok_and(|f| f == PictureFormat::Exr);
-    let (mut image, metadata) =
-        if is_exr { layer(args)? } else { (read_environment(&args.input)?.image, Metadata::default()) };
+    let format = target::format(&args.output)?;
+    target::check_writable(&args.output)?;
+    let bytes = read_whole(&args.input)?;
+    let (mut image, metadata) = if bytes.starts_with(EXR_MAGIC) {
+        layer(args, &bytes)?
+    } else if args.layer.is_empty() {
+        let sky = decode_environment(&bytes, &DecodeLimits::default()).map_err(|e| e.in_file(&args.input))?;
+        (sky.image, Metadata::default())
+    } else {
+        return Err(CliError::Usage(format!("{} has no layers: it is no .exr", args.input.display())));
+    };
     if matches!(format, PictureFormat::Exr | PictureFormat::Hdr) {
         expose(&mut image, args.develop.exposure);
     }
-    write_picture(&args.output, &image, &args.develop.write_options(metadata))?;
-    say(&format!("{}: {} × {}", args.output.display(), image.width, image.height));
+    write_picture(&args.output, &image, &args.develop.write_options(metadata))
+        .map_err(|e| unwritten(&args.output, e))?;
+    if !args.quiet {
+        say(&format!("{}: {} × {}", args.output.display(), image.width, image.height));
+    }
     Ok(())
 }
 
 /// One layer of an OpenEXR file as a picture.
-fn layer(args: &TonemapArgs) -> Result<(Image, Metadata), CliError> {
-    let bytes =
-        std::fs::read(&args.input).map_err(|source| CliError::Read { path: args.input.clone(), source })?;
-    let exr = read_exr_layers(&bytes, &DecodeLimits::default()).map_err(|e| e.in_file(&args.input))?;
+fn layer(args: &TonemapArgs, bytes: &[u8]) -> Result<(Image, Metadata), CliError> {
+    let exr = read_exr_layers(bytes, &DecodeLimits::default()).map_err(|e| e.in_file(&args.input))?;
     let layer = exr.layer(&args.layer).ok_or_else(|| {
-        let names: Vec<_> = exr.layers.iter().map(|l| format!("{:?}", l.name)).collect();
+        let names: Vec<_> =
+            exr.layers.iter().filter(|l| !l.name.is_empty()).map(|l| l.name.as_str()).collect();
+        let wanted =
+            if args.layer.is_empty() { "beauty picture".into() } else { format!("layer {}", args.layer) };
         CliError::Usage(format!(
-            "{} has no layer {:?}; it has {}",
+            "{} has no {wanted}; its layers are: {}",
             args.input.display(),
-            args.layer,
             names.join(", ")
         ))
     })?;
