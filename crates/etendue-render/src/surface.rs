@@ -1,7 +1,7 @@
 //! A hit becomes a surface: where it is, how it is turned, what it is made of.
 
 use crate::lookup::Lookup;
-use crate::world::World;
+use crate::world::{MeshData, World};
 use etendue_bxdf::sampling::basis;
 use etendue_bxdf::{MetalRough, MetalRoughParams};
 use etendue_color::Spectrum;
@@ -81,7 +81,13 @@ impl Surface {
                 }
             }
         }
-        let normal = towards(normal, wo);
+        let mut normal = towards(normal, wo);
+        let bent = towards_reflection(normal, wo, geometric);
+        if bent != normal {
+            let metallic = metallic(material, world, mesh, &mut lookup).clamp(0.0, 1.0);
+            // Both lie within a right angle of `wo`, so their mix does.
+            normal = normal.lerp(bent, metallic).try_normalize().unwrap_or(bent);
+        }
         Self {
             point,
             lifted,
@@ -166,6 +172,11 @@ pub(crate) fn emitted(world: &World, m: &Material, instance: u32, lookup: &mut L
     Spectrum::from_rgb(e.to_array())
 }
 
+/// How much of a surface is metal.
+fn metallic(m: &Material, world: &World, mesh: &MeshData, lookup: &mut Lookup) -> f32 {
+    m.metallic * m.metallic_roughness_texture.as_ref().map_or(1.0, |t| lookup.linear(world, mesh, t).z)
+}
+
 /// The point on the smooth surface that the vertex normals describe, where that lies outside the triangle (Hanika 2021,
 /// "Hacking the Shadow Terminator", Ray Tracing Gems II, chapter 4). Concave parts stay where they are.
 #[inline]
@@ -191,6 +202,26 @@ fn towards(n: Vec3A, wo: Vec3A) -> Vec3A {
     (n + wo * (LEAST - cos)).try_normalize().unwrap_or(wo)
 }
 
+/// Bends `n` until the mirror image of `wo` lies above the triangle, but not above where the triangle itself would mirror
+/// it. What a mirror sends into its own inside is lost, and would leave a black rim where a normal map is steep. (A
+/// rough lobe loses less, and diffuse light hardly any: there the bend would only flatten the relief. One frame serves
+/// all lobes, so it is for metals, which have no other.)
+#[inline]
+fn towards_reflection(n: Vec3A, wo: Vec3A, geometric: Vec3A) -> Vec3A {
+    const LEAST: f32 = 1e-2;
+    let cos = wo.dot(geometric);
+    let least = LEAST.min(cos);
+    let mirrored = n * (2.0 * n.dot(wo)) - wo;
+    let height = mirrored.dot(geometric);
+    if height >= least || cos <= 0.0 {
+        return n;
+    }
+    // The mirror image is turned up to `least`; the normal that mirrors so is half-way.
+    let Some(flat) = (mirrored - geometric * height).try_normalize() else { return n };
+    let lifted = flat * (1.0 - least * least).sqrt() + geometric * least;
+    (wo + lifted).try_normalize().unwrap_or(n)
+}
+
 /// An orthonormal frame about `n`, along `tangent` if there is one.
 #[inline]
 fn frame(n: Vec3A, tangent: Option<Vec3A>) -> Mat3A {
@@ -200,5 +231,37 @@ fn frame(n: Vec3A, tangent: Option<Vec3A>) -> Mat3A {
             let (t, b) = basis(n);
             Mat3A::from_cols(t, b, n)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::Sampler;
+    use etendue_bxdf::sampling::uniform_sphere;
+
+    /// A mirror with the bent normal sends what is seen above the triangle, and normals that do already stay as they are.
+    #[test]
+    fn a_mirrors_view_lies_above_the_triangle() {
+        let (mut bent, mut kept) = (0, 0);
+        for i in 0..10_000 {
+            let sampler = Sampler::new(1, 0, 0, i);
+            let [u0, u1, u2, u3] = sampler.get4(0);
+            let [u4, u5, ..] = sampler.get4(1);
+            let [ng, wo, n] = [[u0, u1], [u2, u3], [u4, u5]].map(uniform_sphere);
+            let wo = if wo.dot(ng) < 0.0 { -wo } else { wo };
+            let n = towards(if n.dot(ng) < 0.0 { -n } else { n }, wo);
+            let m = towards_reflection(n, wo, ng);
+            let mirror = |n: Vec3A| (n * (2.0 * n.dot(wo)) - wo).dot(ng);
+            assert!((m.length() - 1.0).abs() < 1e-5 && m.dot(wo) > 0.0, "{n} {wo} {ng}");
+            assert!(mirror(m) > 0.01f32.min(wo.dot(ng)) - 1e-4, "{} of {n} {wo} {ng}", mirror(m));
+            if mirror(n) >= 0.01 {
+                assert_eq!(m, n);
+                kept += 1;
+            } else {
+                bent += 1;
+            }
+        }
+        assert!(bent > 1000 && kept > 1000, "{bent} {kept}");
     }
 }
