@@ -18,7 +18,7 @@ pub struct Lambert {
 }
 
 impl Bsdf for Lambert {
-    #[inline]
+    #[inline(always)]
     fn eval_pdf(&self, wo: Vec3A, wi: Vec3A) -> Eval {
         // Also taken by NaN.
         if !(wo.z > MIN_COS && wi.z > MIN_COS) {
@@ -27,7 +27,7 @@ impl Bsdf for Lambert {
         Eval { diffuse: self.color * FRAC_1_PI, specular: Spectrum::ZERO, pdf: wi.z * FRAC_1_PI }
     }
 
-    #[inline]
+    #[inline(always)]
     fn sample(&self, wo: Vec3A, _uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
         let wi = sampling::cosine_hemisphere(u);
         if !(wo.z > MIN_COS && wi.z > MIN_COS && wi.is_finite()) {
@@ -44,7 +44,7 @@ impl Bsdf for Lambert {
         })
     }
 
-    #[inline]
+    #[inline(always)]
     fn albedo(&self, wo: Vec3A) -> Spectrum {
         if wo.z > MIN_COS { self.color } else { Spectrum::ZERO }
     }

@@ -60,7 +60,7 @@ pub fn dielectric(cos_i: f32, eta: f32) -> f32 {
 ///
 /// `KHR_materials_ior`: `ior = 0` stands for an infinite index, and gives 1 as the formula does. Negative or NaN: 0.04,
 /// the glTF default.
-#[inline]
+#[inline(always)]
 pub fn f0_from_ior(ior: f32) -> f32 {
     if ior == f32::INFINITY {
         return 1.0;
@@ -71,7 +71,7 @@ pub fn f0_from_ior(ior: f32) -> f32 {
 }
 
 /// The index of refraction ≥ 1 that reflects `f0` at normal incidence: (1 + √F0) / (1 − √F0); infinite for F0 ≥ 1.
-#[inline]
+#[inline(always)]
 pub fn ior_from_f0(f0: f32) -> f32 {
     let r = f0.clamp(0.0, 1.0).sqrt();
     (1.0 + r) / (1.0 - r)

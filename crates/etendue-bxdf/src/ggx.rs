@@ -50,7 +50,7 @@ pub struct GgxPair {
 
 impl Ggx {
     /// Widths along x and y, clamped to [`ALPHA_DELTA`]..1; NaN becomes the lower end.
-    #[inline]
+    #[inline(always)]
     pub fn new(alpha_x: f32, alpha_y: f32) -> Self {
         let ax = alpha_x.max(ALPHA_DELTA).min(1.0);
         let ay = alpha_y.max(ALPHA_DELTA).min(1.0);
@@ -60,13 +60,13 @@ impl Ggx {
     }
 
     /// αx and αy.
-    #[inline]
+    #[inline(always)]
     pub fn alpha(&self) -> [f32; 2] {
         [self.ax, self.ay]
     }
 
     /// D(m), per steradian, for a unit `m`: 1 / (π αx αy (mx²/αx² + my²/αy² + mz²)²) (Heitz 2014, eq. 85).
-    #[inline]
+    #[inline(always)]
     pub fn d(&self, m: Vec3A) -> f32 {
         if !(m.z > 0.0) {
             return 0.0;
@@ -84,20 +84,20 @@ impl Ggx {
     }
 
     /// Smith's Λ(w) (Heitz 2014, eq. 72 and 86).
-    #[inline]
+    #[inline(always)]
     pub fn lambda(&self, w: Vec3A) -> f32 {
         0.5 * (self.stretched_length(w) / w.z.abs() - 1.0)
     }
 
     /// The part of the microfacets facing `w` that is visible from it: 1 / (1 + Λ(w)).
-    #[inline]
+    #[inline(always)]
     pub fn g1(&self, w: Vec3A) -> f32 {
         let z = w.z.abs();
         2.0 * z / (z + self.stretched_length(w))
     }
 
     /// The part that is visible from both, heights correlated: 1 / (1 + Λ(wo) + Λ(wi)) (Heitz 2014, eq. 99).
-    #[inline]
+    #[inline(always)]
     pub fn g2(&self, wo: Vec3A, wi: Vec3A) -> f32 {
         let (zo, zi) = (wo.z.abs(), wi.z.abs());
         2.0 * zo * zi / (zi * self.stretched_length(wo) + zo * self.stretched_length(wi))
@@ -135,13 +135,13 @@ impl Ggx {
 
     /// A visible microfacet normal, density G1(wo) D(m) max(0, wo·m) / cos θo per steradian: spherical caps (Dupuy,
     /// Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps").
-    #[inline]
+    #[inline(always)]
     pub fn sample_half(&self, wo: Vec3A, u: [f32; 2]) -> Vec3A {
         self.sample_cap(wo, u, 1.0)
     }
 
     /// Density of [`Ggx::sample_half`], per steradian.
-    #[inline]
+    #[inline(always)]
     pub fn pdf_half(&self, wo: Vec3A, m: Vec3A) -> f32 {
         let cos = wo.dot(m);
         if !(cos > 0.0 && wo.z > MIN_COS) {
@@ -154,7 +154,7 @@ impl Ggx {
     /// Tokuyoshi 2023); density [`GgxPair::pdf`]. The direction may still lie below. The bound takes the variance of a
     /// furnace's weights, F = 1, from 0.107 to 0.016 at roughness 0.6 and from 0.133 to 0.020 at roughness 1 (normal
     /// incidence; the example `laws` prints the second figures).
-    #[inline]
+    #[inline(always)]
     pub fn sample_reflection(&self, wo: Vec3A, u: [f32; 2]) -> Vec3A {
         let m = self.sample_cap(wo, u, self.cap_bound(wo));
         m * (2.0 * wo.dot(m)) - wo
@@ -187,14 +187,14 @@ pub struct GgxReflection {
 
 impl GgxReflection {
     /// Widths along x and y, 0..1 (α = roughness²), and the reflectance of each microfacet.
-    #[inline]
+    #[inline(always)]
     pub fn new(alpha_x: f32, alpha_y: f32, fresnel: Schlick) -> Self {
         let mirror = !(alpha_x.max(alpha_y) >= ALPHA_DELTA);
         Self { ggx: Ggx::new(alpha_x, alpha_y), fresnel, mirror }
     }
 
     /// The distribution of its microfacets.
-    #[inline]
+    #[inline(always)]
     pub fn ggx(&self) -> &Ggx {
         &self.ggx
     }
@@ -207,7 +207,7 @@ pub(crate) fn mirror(wo: Vec3A) -> Vec3A {
 }
 
 impl Bsdf for GgxReflection {
-    #[inline]
+    #[inline(always)]
     fn eval_pdf(&self, wo: Vec3A, wi: Vec3A) -> Eval {
         // Also taken by NaN.
         if self.mirror || !(wo.z > MIN_COS && wi.z > MIN_COS) {
@@ -220,7 +220,7 @@ impl Bsdf for GgxReflection {
         Eval { diffuse: Spectrum::ZERO, specular: self.fresnel.eval(p.cos_half) * p.value, pdf: p.pdf }
     }
 
-    #[inline]
+    #[inline(always)]
     fn sample(&self, wo: Vec3A, _uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
         if !(wo.z > MIN_COS) {
             return None;
@@ -252,7 +252,7 @@ impl Bsdf for GgxReflection {
         })
     }
 
-    #[inline]
+    #[inline(always)]
     fn albedo(&self, wo: Vec3A) -> Spectrum {
         if wo.z > MIN_COS { self.fresnel.eval(wo.z) } else { Spectrum::ZERO }
     }

@@ -10,7 +10,7 @@
 ///
 /// Absolute error < 1.2e-7 for `turns` in −1..1, the argument's own rounding aside. For ±2²⁰ turns
 /// or less; beyond, the result means nothing and may be NaN.
-#[inline]
+#[inline(always)]
 pub fn sin_cos_tau(turns: f32) -> (f32, f32) {
     // Reduce to an eighth of a turn around the nearest quarter; `turns − q/4` is exact.
     let (q, quarter) = round_small(4.0 * turns);
@@ -29,7 +29,7 @@ pub fn sin_cos_tau(turns: f32) -> (f32, f32) {
 /// The angle of the point (`x`, `y`) in turns, −½..½: `atan2(y, x) / 2π`.
 ///
 /// Absolute error < 4e-8 turns. The signs of zeros are honoured as by `f32::atan2`; (0, 0) gives 0 or ±½.
-#[inline]
+#[inline(always)]
 pub fn atan2_turns(y: f32, x: f32) -> f32 {
     let (ax, ay) = (x.abs(), y.abs());
     let (lo, hi) = if ay > ax { (ax, ay) } else { (ay, ax) };
@@ -59,7 +59,7 @@ pub fn atan2_turns(y: f32, x: f32) -> f32 {
 }
 
 /// The arc sine in radians, for `x` clamped to −1..1. Absolute error < 2.5e-7.
-#[inline]
+#[inline(always)]
 pub fn asin(x: f32) -> f32 {
     const C: [f32; 6] = [
         0.9999999959837371,
@@ -80,7 +80,7 @@ pub fn asin(x: f32) -> f32 {
 }
 
 /// The arc cosine in radians, for `x` clamped to −1..1. Absolute error < 4e-7.
-#[inline]
+#[inline(always)]
 pub fn acos(x: f32) -> f32 {
     let a = x.abs().min(1.0);
     let p = if a > 0.5 {
@@ -93,7 +93,7 @@ pub fn acos(x: f32) -> f32 {
 }
 
 /// 2ˣ. Relative error < 2e-7 where the result is a normal number; overflows to infinity, underflows to zero.
-#[inline]
+#[inline(always)]
 pub fn exp2(x: f32) -> f32 {
     const C: [f32; 7] = [
         1.0,
@@ -119,13 +119,13 @@ pub fn exp2(x: f32) -> f32 {
 }
 
 /// eˣ. Relative error < 2e-7 + 1e-7·|x|, from the rounding of x·log₂e; see [`exp2`].
-#[inline]
+#[inline(always)]
 pub fn exp(x: f32) -> f32 {
     exp2(x * core::f32::consts::LOG2_E)
 }
 
 /// The natural logarithm of a positive number. Absolute error < 2e-7 + 1.2e-7·|ln x|. Zero gives −∞, negative NaN.
-#[inline]
+#[inline(always)]
 pub fn ln(x: f32) -> f32 {
     const C: [f32; 4] = [1.999999998631318, 0.6666681533814921, 0.3997485051797189, 0.29924390466272843];
     // Also taken by NaN and infinity, which are their own logarithms.

@@ -132,7 +132,7 @@ fn sum(s: Spectrum) -> f32 {
 
 impl MetalRough {
     /// The closure of a surface.
-    #[inline]
+    #[inline(always)]
     pub fn new(p: &MetalRoughParams) -> Self {
         let roughness = unit(p.roughness);
         let alpha = roughness * roughness;
@@ -169,7 +169,7 @@ impl MetalRough {
     }
 
     /// The same surface with another rule for its diffuse part.
-    #[inline]
+    #[inline(always)]
     pub fn with_coupling(mut self, coupling: Coupling) -> Self {
         self.coupling = coupling;
         self
@@ -241,7 +241,7 @@ impl MetalRough {
 }
 
 impl Bsdf for MetalRough {
-    #[inline]
+    #[inline(always)]
     fn eval_pdf(&self, wo: Vec3A, wi: Vec3A) -> Eval {
         // Also taken by NaN.
         if !(wo.z > MIN_COS && wi.z > MIN_COS) {
@@ -251,7 +251,7 @@ impl Bsdf for MetalRough {
         if e.pdf < f32::INFINITY { e } else { Eval::ZERO }
     }
 
-    #[inline]
+    #[inline(always)]
     fn sample(&self, wo: Vec3A, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
         if !(wo.z > MIN_COS) {
             return None;
@@ -296,7 +296,7 @@ impl Bsdf for MetalRough {
         })
     }
 
-    #[inline]
+    #[inline(always)]
     fn albedo(&self, wo: Vec3A) -> Spectrum {
         if !(wo.z > MIN_COS) {
             return Spectrum::ZERO;

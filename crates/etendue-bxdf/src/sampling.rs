@@ -8,7 +8,7 @@ use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Vec3A, vec3a};
 
 /// A point of the unit disk, uniform: the concentric map (Shirley, Chiu 1997).
-#[inline]
+#[inline(always)]
 pub fn concentric_disk(u: [f32; 2]) -> [f32; 2] {
     let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
     let wide = a.abs() > b.abs();
@@ -23,7 +23,7 @@ pub fn concentric_disk(u: [f32; 2]) -> [f32; 2] {
 }
 
 /// A direction of the upper hemisphere (+Z) with density cos θ / π per steradian.
-#[inline]
+#[inline(always)]
 pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3A {
     let [x, y] = concentric_disk(u);
     // The disk's radius is the larger of the two centred coordinates: (1−r)(1+r) keeps its digits near the rim.
@@ -32,13 +32,13 @@ pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3A {
 }
 
 /// Density of [`cosine_hemisphere`], per steradian.
-#[inline]
+#[inline(always)]
 pub fn cosine_hemisphere_pdf(cos: f32) -> f32 {
     cos.max(0.0) * FRAC_1_PI
 }
 
 /// A direction of the whole sphere, density 1 / 4π per steradian.
-#[inline]
+#[inline(always)]
 pub fn uniform_sphere(u: [f32; 2]) -> Vec3A {
     // 1 − |z| and 1 + |z| from u, not from z: the sine keeps its digits near the poles.
     let r = 2.0 * (u[0] * (1.0 - u[0])).max(0.0).sqrt();
@@ -47,7 +47,7 @@ pub fn uniform_sphere(u: [f32; 2]) -> Vec3A {
 }
 
 /// A direction of the upper hemisphere (+Z), density 1 / 2π per steradian.
-#[inline]
+#[inline(always)]
 pub fn uniform_hemisphere(u: [f32; 2]) -> Vec3A {
     uniform_cone(u, 1.0)
 }
@@ -55,7 +55,7 @@ pub fn uniform_hemisphere(u: [f32; 2]) -> Vec3A {
 /// A direction of the cone around +Z whose half angle has the cosine 1 − `one_minus_cos`; uniform by solid angle.
 ///
 /// The cone is given by 1 − cos θ (0..2) because cos θ of a small light, the sun say, has no digits left in `f32`.
-#[inline]
+#[inline(always)]
 pub fn uniform_cone(u: [f32; 2], one_minus_cos: f32) -> Vec3A {
     let d = u[0] * one_minus_cos;
     let r = (d * (2.0 - d)).max(0.0).sqrt();
@@ -64,14 +64,14 @@ pub fn uniform_cone(u: [f32; 2], one_minus_cos: f32) -> Vec3A {
 }
 
 /// Density of [`uniform_cone`] inside the cone, per steradian.
-#[inline]
+#[inline(always)]
 pub fn uniform_cone_pdf(one_minus_cos: f32) -> f32 {
     1.0 / (TAU * one_minus_cos)
 }
 
 /// Barycentric weights of a triangle's three corners, uniform by area: Heitz 2019, "A Low-Distortion Map Between
 /// Triangle and Square". They are not negative and sum to one.
-#[inline]
+#[inline(always)]
 pub fn uniform_triangle(u: [f32; 2]) -> [f32; 3] {
     let (b0, b1) =
         if u[0] < u[1] { (0.5 * u[0], u[1] - 0.5 * u[0]) } else { (u[0] - 0.5 * u[1], 0.5 * u[1]) };
@@ -80,7 +80,7 @@ pub fn uniform_triangle(u: [f32; 2]) -> [f32; 3] {
 
 /// Two unit vectors that complete a unit normal to a right-handed orthonormal frame, without a branch (Duff, Burgess,
 /// Christensen, Hery, Kensler, Liani, Villemin 2017, "Building an Orthonormal Basis, Revisited").
-#[inline]
+#[inline(always)]
 pub fn basis(n: Vec3A) -> (Vec3A, Vec3A) {
     let sign = 1.0f32.copysign(n.z);
     let a = -1.0 / (sign + n.z);
@@ -101,7 +101,7 @@ pub struct Frame {
 
 impl Frame {
     /// Any frame around a unit normal.
-    #[inline]
+    #[inline(always)]
     pub fn from_normal(n: Vec3A) -> Self {
         let (x, y) = basis(n);
         Self { x, y, z: n }
@@ -109,7 +109,7 @@ impl Frame {
 
     /// The frame around a unit normal whose +X lies as near to `tangent` as it can; any frame if they are parallel
     /// or `tangent` is not finite.
-    #[inline]
+    #[inline(always)]
     pub fn from_normal_tangent(n: Vec3A, tangent: Vec3A) -> Self {
         let t = tangent - n * n.dot(tangent);
         let len2 = t.length_squared();
@@ -136,14 +136,14 @@ impl Frame {
 
 /// MIS weight of a sample drawn with density `a` where another strategy would have drawn it with density `b`: the
 /// balance heuristic a / (a + b) (Veach 1997, eq. 9.8), for equal numbers of samples. Zero if both are zero.
-#[inline]
+#[inline(always)]
 pub fn balance_heuristic(a: f32, b: f32) -> f32 {
     // By the ratio, so that infinite densities and those whose sum would leave f32 need no case of their own.
     if a > 0.0 { 1.0 / (1.0 + b / a) } else { 0.0 }
 }
 
 /// MIS weight by the power heuristic with exponent 2: a² / (a² + b²) (Veach 1997, section 9.2.3). Zero if both are zero.
-#[inline]
+#[inline(always)]
 pub fn power_heuristic(a: f32, b: f32) -> f32 {
     // By the ratio: squares of densities of tight lobes would leave f32.
     if a >= b {

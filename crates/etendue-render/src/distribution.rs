@@ -59,13 +59,13 @@ impl Distribution1 {
     }
 
     /// Probability of interval `i`.
-    #[inline]
+    #[inline(always)]
     pub fn probability(&self, i: usize) -> f32 {
         self.cdf[i + 1] - self.cdf[i]
     }
 
     /// The interval that `u` in [0, 1) falls into, and `u` stretched to [0, 1) within it.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, u: f32) -> (usize, f32) {
         let n = self.guide.len();
         let mut i = self.guide[((u * n as f32) as usize).min(n - 1)] as usize;
@@ -103,7 +103,7 @@ impl Distribution2 {
     }
 
     /// A point of the unit square and the density there.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, u: [f32; 2]) -> ([f32; 2], f32) {
         let (y, fy) = self.marginal.sample(u[1]);
         let (x, fx) = self.rows[y].sample(u[0]);
@@ -112,7 +112,7 @@ impl Distribution2 {
     }
 
     /// The density in cell (`x`, `y`).
-    #[inline]
+    #[inline(always)]
     pub fn density(&self, x: usize, y: usize) -> f32 {
         self.rows[y].probability(x) * self.marginal.probability(y) * (self.width * self.rows.len()) as f32
     }

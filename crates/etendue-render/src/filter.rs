@@ -104,7 +104,7 @@ impl FilterSampler {
     }
 
     /// Distance from the pixel's centre along one axis, pixels, for `u` in [0, 1).
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, u: f32) -> f32 {
         let x = u * STEPS as f32;
         let i = (x as usize).min(STEPS - 1);

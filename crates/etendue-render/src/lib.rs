@@ -23,6 +23,7 @@ mod renderer;
 mod sampler;
 mod sky;
 mod surface;
+mod texels;
 mod world;
 
 pub use checkpoint::{FilmError, FilmInfo};

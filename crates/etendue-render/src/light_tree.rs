@@ -65,7 +65,7 @@ impl LightBounds {
     }
 
     /// Upper estimate of the irradiance at `p` on a surface with normal `n` (zero: any orientation).
-    #[inline]
+    #[inline(always)]
     pub fn importance(&self, p: Vec3A, n: Vec3A) -> f32 {
         let center = self.bounds.center();
         let half = self.bounds.diagonal() * 0.5;
@@ -174,13 +174,13 @@ impl LightTree {
     }
 
     /// What all lights together may send to `p`: see [`LightBounds::importance`].
-    #[inline]
+    #[inline(always)]
     pub fn importance(&self, p: Vec3A, n: Vec3A) -> f32 {
         self.nodes.first().map_or(0.0, |r| r.light.importance(p, n))
     }
 
     /// A light, and the probability with which it is drawn for this point; `None` if none can reach it.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, p: Vec3A, n: Vec3A, mut u: f32) -> Option<(u32, f32)> {
         let mut at = 0usize;
         let mut probability = 1.0;
@@ -204,7 +204,7 @@ impl LightTree {
     }
 
     /// The probability with which [`LightTree::sample`] draws `light` for this point.
-    #[inline]
+    #[inline(always)]
     pub fn probability(&self, light: u32, p: Vec3A, n: Vec3A) -> f32 {
         let mut trail = self.trails[light as usize];
         let mut at = 0usize;
@@ -227,7 +227,7 @@ impl LightTree {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn first_probability(&self, at: usize, p: Vec3A, n: Vec3A) -> Option<f32> {
         let a = self.nodes[at + 1].light.importance(p, n);
         let b = self.nodes[self.nodes[at].next as usize].light.importance(p, n);

@@ -135,13 +135,16 @@ impl Lights {
     }
 
     /// Light from the sky in direction `d`.
-    #[inline]
+    #[inline(always)]
     pub fn sky_radiance(&self, d: Vec3A) -> Spectrum {
-        self.sky.as_ref().map_or(Spectrum::ZERO, |s| s.radiance(d))
+        match &self.sky {
+            Some(sky) => sky.radiance(d),
+            None => Spectrum::ZERO,
+        }
     }
 
     /// Decides between far and near lights for a surface point.
-    #[inline]
+    #[inline(always)]
     pub fn choose(&self, point: Vec3A, normal: Vec3A) -> LightChoice {
         let far = match (&self.far, self.tree.is_empty()) {
             (None, _) => 0.0,
@@ -159,7 +162,7 @@ impl Lights {
     }
 
     /// Draws one light and a point on it.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, world: &World, choice: &LightChoice, pick: f32, u: [f32; 2]) -> Option<LightSample> {
         if pick < choice.far {
             let far = self.far.as_ref()?;
@@ -197,7 +200,7 @@ impl Lights {
     }
 
     /// Light from the sky in direction `d`, and the density with which [`Lights::sample`] draws it.
-    #[inline]
+    #[inline(always)]
     pub fn sky(&self, choice: &LightChoice, d: Vec3A) -> (Spectrum, f32) {
         let Some(sky) = &self.sky else { return (Spectrum::ZERO, 0.0) };
         match &self.far {
@@ -210,13 +213,13 @@ impl Lights {
     }
 
     /// The light that the triangle is; `None` if it is surely dark.
-    #[inline]
+    #[inline(always)]
     pub fn emitter(&self, hit: &Hit) -> Option<u32> {
         self.emitter_of[hit.instance as usize].get(hit.triangle as usize).copied().filter(|l| *l != NONE)
     }
 
     /// The density per solid angle with which [`Lights::sample`] draws the point that a ray along `d` met.
-    #[inline]
+    #[inline(always)]
     pub fn hit_pdf(&self, world: &World, choice: &LightChoice, hit: &Hit, d: Vec3A) -> f32 {
         let Some(light) = self.emitter(hit) else { return 0.0 };
         let chosen = self.tree.probability(light, choice.point, choice.normal) * (1.0 - choice.far);

@@ -1,7 +1,7 @@
 //! Textures at one point of a surface.
 
+use crate::texels::Texels;
 use crate::world::{MeshData, World};
-use etendue_image::Image;
 use etendue_scene::{Footprint, Sampler, TextureRef};
 use glam::{Affine2, Vec4};
 
@@ -24,27 +24,27 @@ struct Key {
 
 impl Lookup {
     /// At barycentric `weights` between the vertices `corners`.
-    #[inline]
+    #[inline(always)]
     pub fn new(corners: [u32; 3], weights: [f32; 3]) -> Self {
         Self { corners, weights, last: None }
     }
 
     /// RGBA with colour decoded from sRGB.
-    #[inline]
+    #[inline(always)]
     pub fn srgb(&mut self, world: &World, mesh: &MeshData, t: &TextureRef) -> Vec4 {
         let (image, footprint) = self.find(world, mesh, t);
-        footprint.srgb(image)
+        image.srgb(&footprint)
     }
 
     /// RGBA as stored.
-    #[inline]
+    #[inline(always)]
     pub fn linear(&mut self, world: &World, mesh: &MeshData, t: &TextureRef) -> Vec4 {
         let (image, footprint) = self.find(world, mesh, t);
-        footprint.linear(image)
+        image.linear(&footprint)
     }
 
     /// Vertex colour, or white.
-    #[inline]
+    #[inline(always)]
     pub fn vertex_color(&self, mesh: &MeshData) -> Vec4 {
         if mesh.colors.is_empty() {
             return Vec4::ONE;
@@ -54,22 +54,18 @@ impl Lookup {
     }
 
     #[inline(always)]
-    fn find<'a>(&mut self, world: &'a World, mesh: &MeshData, t: &TextureRef) -> (&'a Image, Footprint) {
+    fn find<'a>(&mut self, world: &'a World, mesh: &MeshData, t: &TextureRef) -> (&'a Texels, Footprint) {
         let texture = &world.scene.textures[t.texture as usize];
-        let image = &*world.scene.images[texture.image as usize];
-        let key = Key {
-            uv_set: t.uv_set,
-            transform: t.transform,
-            sampler: texture.sampler,
-            size: [image.width, image.height],
-        };
+        let image = &world.images[texture.image as usize];
+        let key =
+            Key { uv_set: t.uv_set, transform: t.transform, sampler: texture.sampler, size: image.size() };
         if let Some((last, footprint)) = self.last
             && last == key
         {
             return (image, footprint);
         }
         let uv = t.transform.transform_point2(mesh.uv(t.uv_set, self.corners, self.weights));
-        let footprint = Footprint::new(&texture.sampler, image.width, image.height, uv);
+        let footprint = Footprint::new(&texture.sampler, key.size[0], key.size[1], uv);
         self.last = Some((key, footprint));
         (image, footprint)
     }

@@ -57,10 +57,14 @@ pub(crate) struct Layers {
     pub seen: Option<(u32, u32)>,
 }
 
+/// Backs that a camera ray looks through before one is taken for a front.
+const MOST_LAYERS: u32 = 1024;
+
 /// Dimension sets: the camera has 0; each bounce has two.
 const SETS_PER_BOUNCE: u32 = 2;
 
 /// Traces a path from the camera. `LAYERS` fills `layers`; `axis` is the camera's unit view direction.
+#[inline(always)]
 pub(crate) fn trace<const LAYERS: bool>(
     world: &World,
     options: &PathOptions,
@@ -106,12 +110,18 @@ pub(crate) fn trace<const LAYERS: bool>(
 
     loop {
         let key = sampler.hash(bounce * 2);
-        out.rays[0] += 1;
-        let hit = if bounce == 0 {
-            first_hit(world, origin, direction, key, &mut out.rays[0])
-        } else {
-            let ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
-            world.closest(&ray, key).map(|h| (h, Surface::new(world, &h, direction)))
+        let mut ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
+        // The camera looks through the backs of one-sided surfaces, as glTF asks for (`doubleSided`, section 3.9.6). For light,
+        // a surface has two sides.
+        let hit = loop {
+            out.rays[0] += 1;
+            let Some(hit) = world.closest(&ray, key) else { break None };
+            let surface = Surface::new(world, &hit, direction);
+            let seen = surface.front || world.scene.materials[surface.material as usize].double_sided;
+            if bounce > 0 || seen || out.rays[0] > MOST_LAYERS {
+                break Some((hit, surface));
+            }
+            ray.t_min = hit.t;
         };
 
         let Some((hit, mut surface)) = hit else {
@@ -224,30 +234,6 @@ pub(crate) fn trace<const LAYERS: bool>(
         origin = surface.origin(world, wi);
         direction = wi.normalize();
     }
-}
-
-/// The first surface that the camera sees: the back of a one-sided surface is looked through, as glTF asks for
-/// (`doubleSided`, section 3.9.6). Only the camera does so: for light, a surface has two sides.
-#[inline]
-fn first_hit(
-    world: &World,
-    origin: Vec3A,
-    direction: Vec3A,
-    key: u32,
-    rays: &mut u32,
-) -> Option<(Hit, Surface)> {
-    let mut ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
-    // Each turn passes one surface; a scene cannot have more layers than a counter's worth that matter.
-    for _ in 0..1024 {
-        let hit = world.closest(&ray, key)?;
-        let surface = Surface::new(world, &hit, direction);
-        if surface.front || world.scene.materials[surface.material as usize].double_sided {
-            return Some((hit, surface));
-        }
-        ray.t_min = hit.t;
-        *rays += 1;
-    }
-    None
 }
 
 fn record_geometry(l: &mut Layers, hit: &Hit, surface: &Surface, to: Vec3A, axis: Vec3A) {

@@ -9,6 +9,7 @@ use crate::world::World;
 use crate::{Coverage, Fixed, Pass, PassSet};
 use etendue_color::Spectrum;
 use etendue_scene::{Camera, CameraRays};
+use etendue_trace::{Work, run_wide};
 use glam::Vec3A;
 use rayon::prelude::*;
 use std::sync::Mutex;
@@ -118,7 +119,7 @@ impl<'a> Renderer<'a> {
         (s.radiance, s.alpha)
     }
 
-    #[inline]
+    #[inline(always)]
     fn path<const LAYERS: bool>(&self, x: u32, y: u32, index: u32, layers: &mut Layers) -> PathSample {
         let s = &self.settings;
         let sampler = Sampler::new(s.seed, x, y, index);
@@ -144,11 +145,7 @@ impl<'a> Renderer<'a> {
         (0..across * h.div_ceil(TILE)).into_par_iter().for_each(|tile| {
             let (x0, y0) = (tile % across * TILE, tile / across * TILE);
             let size = [TILE.min(w - x0), TILE.min(h - y0)];
-            let part = if self.settings.passes.is_empty() {
-                self.tile::<false>([x0, y0], size, from, to)
-            } else {
-                self.tile::<true>([x0, y0], size, from, to)
-            };
+            let part = run_wide(TileWork { renderer: self, at: [x0, y0], size, samples: [from, to] });
             counters.closest_rays.fetch_add(part.rays[0], Ordering::Relaxed);
             counters.any_rays.fetch_add(part.rays[1], Ordering::Relaxed);
             let count = u64::from(size[0]) * u64::from(size[1]) * u64::from(to - from);
@@ -160,6 +157,7 @@ impl<'a> Renderer<'a> {
         film.ranges = ranges;
     }
 
+    #[inline(always)]
     fn tile<const LAYERS: bool>(&self, at: [u32; 2], size: [u32; 2], from: u32, to: u32) -> Tile {
         let passes = self.settings.passes;
         let stride = Film::stride_of(passes);
@@ -237,6 +235,27 @@ fn add_layers(sums: &mut [Fixed], passes: PassSet, l: &Layers) {
             Pass::Emission => put(&l.emission.to_rgb()),
             Pass::Environment => put(&l.environment.to_rgb()),
             Pass::ObjectId | Pass::MaterialId => {}
+        }
+    }
+}
+
+/// A square of pixels to be sampled.
+struct TileWork<'a> {
+    renderer: &'a Renderer<'a>,
+    at: [u32; 2],
+    size: [u32; 2],
+    samples: [u32; 2],
+}
+
+impl Work for TileWork<'_> {
+    type Output = Tile;
+    #[inline(always)]
+    fn run(self) -> Tile {
+        let Self { renderer, at, size, samples: [from, to] } = self;
+        if renderer.settings.passes.is_empty() {
+            renderer.tile::<false>(at, size, from, to)
+        } else {
+            renderer.tile::<true>(at, size, from, to)
         }
     }
 }

@@ -106,13 +106,13 @@ pub(crate) fn unit(x: u32) -> f32 {
 impl Sampler {
     /// Sample `index` of the pixel at (`x`, `y`) of the picture with this `seed`. The width of the picture is not part
     /// of the identity: a crop draws the same numbers as the whole.
-    #[inline]
+    #[inline(always)]
     pub fn new(seed: u32, x: u32, y: u32, index: u32) -> Self {
         Self { seed: hash(x ^ hash(y ^ hash(seed.wrapping_add(0x9e37_79b9)))), index }
     }
 
     /// Four dimensions, jointly stratified over the samples of a pixel; `set` numbers the padding.
-    #[inline]
+    #[inline(always)]
     pub fn get4(&self, set: u32) -> [f32; 4] {
         let key = hash(self.seed ^ set.wrapping_mul(0x9e37_79b9));
         let i = laine_karras(self.index.reverse_bits(), key).reverse_bits();
@@ -129,7 +129,7 @@ impl Sampler {
 
     /// A number that is random over pixels, samples and `key` (not stratified), for choices that are made a data-dependent
     /// number of times, such as a ray's alpha tests.
-    #[inline]
+    #[inline(always)]
     pub fn hash(&self, key: u32) -> u32 {
         hash(self.seed ^ hash(self.index ^ hash(key)))
     }

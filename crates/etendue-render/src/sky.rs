@@ -74,7 +74,7 @@ impl Sky {
     }
 
     /// Radiance from the direction `d` (unit), bilinear.
-    #[inline]
+    #[inline(always)]
     pub fn radiance(&self, d: Vec3A) -> Spectrum {
         if self.texels.len() == 1 {
             return self.texels[0];
@@ -84,7 +84,7 @@ impl Sky {
     }
 
     /// Radiance from the direction `d` (unit), and the density per solid angle with which [`Sky::sample`] draws it.
-    #[inline]
+    #[inline(always)]
     pub fn radiance_and_pdf(&self, d: Vec3A) -> (Spectrum, f32) {
         let Some(distribution) = &self.distribution else { return (self.radiance(d), 0.0) };
         let (u, v) = self.coordinates(d);
@@ -96,7 +96,7 @@ impl Sky {
     }
 
     /// Draws a direction; `None` if the sky is constant.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, u: [f32; 2]) -> Option<SkySample> {
         let (p, density) = self.distribution.as_ref()?.sample(u);
         let (sin_theta, cos_theta) = sin_cos_tau(p[1] * 0.5);
@@ -118,14 +118,14 @@ impl Sky {
         })
     }
 
-    #[inline]
+    #[inline(always)]
     fn coordinates(&self, d: Vec3A) -> (f32, f32) {
         let u = atan2_turns(d.z, d.x) + 0.5 + self.turn;
         // Between 0 and 2: at most one turn too far.
         (if u >= 1.0 { u - 1.0 } else { u }, acos(d.y) * FRAC_1_PI)
     }
 
-    #[inline]
+    #[inline(always)]
     fn bilinear(&self, u: f32, v: f32) -> Spectrum {
         let (x, y) = (u * self.width as f32 - 0.5, v * self.height as f32 - 0.5);
         // Truncation of what is at least 0 is the floor; the baseline x86-64 has no instruction for the floor itself.

@@ -1,7 +1,7 @@
 //! A hit becomes a surface: where it is, how it is turned, what it is made of.
 
 use crate::lookup::Lookup;
-use crate::world::{MeshData, World};
+use crate::world::{MeshData, Vertex, World};
 use etendue_bxdf::sampling::basis;
 use etendue_bxdf::{MetalRough, MetalRoughParams};
 use etendue_color::Spectrum;
@@ -30,14 +30,20 @@ pub(crate) struct Surface {
 
 impl Surface {
     /// Geometry of `hit`, seen along `direction` (unit).
-    #[inline]
+    #[inline(always)]
     pub fn new(world: &World, hit: &Hit, direction: Vec3A) -> Self {
         let instance = &world.instances[hit.instance as usize];
         let mesh = &world.meshes[instance.mesh as usize];
         let corners = mesh.indices[hit.triangle as usize];
-        let [a, b, c] = corners.map(|k| &mesh.vertices[k as usize]);
+        // Arrays are spelled out on this path: `array::map` is not inlined, and loses the wide instructions.
+        let vertex = |k: usize| &mesh.vertices[corners[k] as usize];
+        let (a, b, c) = (vertex(0), vertex(1), vertex(2));
         let w = [1.0 - hit.u - hit.v, hit.u, hit.v];
-        let p = [a, b, c].map(|v| instance.to_world.transform_point3a(v.position.into()));
+        let place = |v: &Vertex| {
+            let p = Vec3A::from(v.position);
+            if instance.baked { p } else { instance.to_world.transform_point3a(p) }
+        };
+        let p = [place(a), place(b), place(c)];
         let point = p[0] * w[0] + p[1] * w[1] + p[2] * w[2];
         let wo = -direction;
         // Rays meet only triangles that have an area, but its square may vanish in a float.
@@ -55,17 +61,27 @@ impl Surface {
         let material = &world.scene.materials[instance.material as usize];
         if mesh.has_normals {
             let side = if front { 1.0 } else { -1.0 };
-            let n = [a, b, c].map(|v| {
-                let n = instance.normal_to_world * Vec3A::from(v.normal);
-                n.try_normalize().unwrap_or(geometric * side) * side
-            });
+            let turn = |v: &Vertex| {
+                let n = Vec3A::from(v.normal);
+                if !instance.baked {
+                    let n = instance.normal_to_world * n;
+                    n.try_normalize().unwrap_or(geometric * side) * side
+                } else if n == Vec3A::ZERO {
+                    geometric
+                } else {
+                    n * side
+                }
+            };
+            let n = [turn(a), turn(b), turn(c)];
             let smooth = (n[0] * w[0] + n[1] * w[1] + n[2] * w[2]).try_normalize().unwrap_or(geometric);
             lifted = lift(point, &p, &n, w, geometric);
             normal = smooth;
             if let Some(map) = material.normal_texture.filter(|_| mesh.has_tangents) {
                 let t = a.tangent * w[0] + b.tangent * w[1] + c.tangent * w[2];
                 let sign = a.tangent.w * instance.handedness;
-                if let Some(t) = (instance.to_world.matrix3 * Vec3A::from_vec4(t)).try_normalize() {
+                let t = Vec3A::from_vec4(t);
+                let t = if instance.baked { t } else { instance.to_world.matrix3 * t };
+                if let Some(t) = t.try_normalize() {
                     // All three axes turn over on the back, as in glTF's reference implementation.
                     let front_normal = smooth * side;
                     let bitangent = front_normal.cross(t) * sign;
@@ -101,7 +117,7 @@ impl Surface {
     }
 
     /// The material's emitted radiance here, zero on the back of a one-sided surface; for an unlit surface its colour.
-    #[inline]
+    #[inline(always)]
     pub fn emission(&mut self, world: &World, hit: &Hit) -> Spectrum {
         let m = &world.scene.materials[self.material as usize];
         if m.unlit {
@@ -114,7 +130,7 @@ impl Surface {
     }
 
     /// How the surface scatters.
-    #[inline]
+    #[inline(always)]
     pub fn closure(&mut self, world: &World, hit: &Hit) -> MetalRough {
         let m = &world.scene.materials[self.material as usize];
         let mesh = &world.meshes[world.instances[hit.instance as usize].mesh as usize];
@@ -142,6 +158,7 @@ impl Surface {
         })
     }
 
+    #[inline(always)]
     fn base_color(&mut self, world: &World, hit: &Hit, m: &Material) -> Spectrum {
         let mesh = &world.meshes[world.instances[hit.instance as usize].mesh as usize];
         let mut c = m.base_color;
@@ -153,7 +170,7 @@ impl Surface {
     }
 
     /// Start of a ray that leaves towards `wi`: off the surface by more than rounding can move it back.
-    #[inline]
+    #[inline(always)]
     pub fn origin(&self, world: &World, wi: Vec3A) -> Vec3A {
         let from = self.lifted;
         let distance = from.abs().max_element() * 1e-6 + world.epsilon;
@@ -162,7 +179,7 @@ impl Surface {
 }
 
 /// Radiance that a point of an emissive triangle sends out.
-#[inline]
+#[inline(always)]
 pub(crate) fn emitted(world: &World, m: &Material, instance: u32, lookup: &mut Lookup) -> Spectrum {
     let mut e = m.emissive;
     if let Some(t) = &m.emissive_texture {
@@ -179,7 +196,7 @@ fn metallic(m: &Material, world: &World, mesh: &MeshData, lookup: &mut Lookup) -
 
 /// The point on the smooth surface that the vertex normals describe, where that lies outside the triangle (Hanika 2021,
 /// "Hacking the Shadow Terminator", Ray Tracing Gems II, chapter 4). Concave parts stay where they are.
-#[inline]
+#[inline(always)]
 fn lift(point: Vec3A, p: &[Vec3A; 3], n: &[Vec3A; 3], w: [f32; 3], geometric: Vec3A) -> Vec3A {
     let mut offset = Vec3A::ZERO;
     for k in 0..3 {
@@ -192,7 +209,7 @@ fn lift(point: Vec3A, p: &[Vec3A; 3], n: &[Vec3A; 3], w: [f32; 3], geometric: Ve
 
 /// Bends `n` until `wo` lies above it: a viewer never sees the back of a surface that faces him, whatever a normal map or
 /// an interpolated normal says.
-#[inline]
+#[inline(always)]
 fn towards(n: Vec3A, wo: Vec3A) -> Vec3A {
     const LEAST: f32 = 1e-3;
     let cos = n.dot(wo);
@@ -206,7 +223,7 @@ fn towards(n: Vec3A, wo: Vec3A) -> Vec3A {
 /// it. What a mirror sends into its own inside is lost, and would leave a black rim where a normal map is steep. (A
 /// rough lobe loses less, and diffuse light hardly any: there the bend would only flatten the relief. One frame serves
 /// all lobes, so it is for metals, which have no other.)
-#[inline]
+#[inline(always)]
 fn towards_reflection(n: Vec3A, wo: Vec3A, geometric: Vec3A) -> Vec3A {
     const LEAST: f32 = 1e-2;
     let cos = wo.dot(geometric);
@@ -223,7 +240,7 @@ fn towards_reflection(n: Vec3A, wo: Vec3A, geometric: Vec3A) -> Vec3A {
 }
 
 /// An orthonormal frame about `n`, along `tangent` if there is one.
-#[inline]
+#[inline(always)]
 fn frame(n: Vec3A, tangent: Option<Vec3A>) -> Mat3A {
     match tangent.and_then(|t| (t - n * n.dot(t)).try_normalize()) {
         Some(t) => Mat3A::from_cols(t, n.cross(t), n),

@@ -3,12 +3,11 @@
 use crate::lights::Lights;
 use crate::lookup::Lookup;
 use crate::sampler::{hash, unit};
-use etendue_image::{Image, Pixels};
+use crate::texels::Texels;
 use etendue_scene::{AlphaMode, InvalidScene, Material, Scene};
 use etendue_trace::{Accel, Hit, Ray};
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// One vertex, all that shading needs of it in 48 bytes, so that a hit touches few cache lines.
 #[derive(Clone, Copy, Debug)]
@@ -42,11 +41,14 @@ pub(crate) struct InstanceData {
     pub normal_to_world: Mat3A,
     /// +1, or −1 if the transform mirrors.
     pub handedness: f32,
+    /// The mesh stands nowhere else, and its vertices are in world space already; the transforms here are identities.
+    pub baked: bool,
 }
 
 /// A scene ready to be rendered.
 pub struct World {
     pub(crate) scene: Scene,
+    pub(crate) images: Vec<Texels>,
     pub(crate) meshes: Vec<MeshData>,
     pub(crate) instances: Vec<InstanceData>,
     pub(crate) accel: Accel,
@@ -71,7 +73,7 @@ impl World {
         // One material more than the file has: glTF's default.
         let default = scene.materials.len() as u32;
         scene.materials.push(Material::default());
-        let instances = scene
+        let mut instances: Vec<InstanceData> = scene
             .instances
             .iter()
             .map(|i| {
@@ -90,13 +92,16 @@ impl World {
                     to_world: i.transform,
                     normal_to_world: cofactors * handedness,
                     handedness,
+                    baked: false,
                 }
             })
             .collect();
-        scene.images.par_iter_mut().for_each(with_four_channels);
-        let meshes = scene.meshes.par_iter_mut().map(MeshData::take).collect();
+        let images = scene.images.par_iter().map(|i| Texels::new(i.clone())).collect();
+        let mut meshes: Vec<MeshData> = scene.meshes.par_iter_mut().map(MeshData::take).collect();
+        bake(&mut meshes, &mut instances);
         let bounds = accel.bounds();
         let mut world = Self {
+            images,
             meshes,
             instances,
             accel,
@@ -107,11 +112,12 @@ impl World {
             build_seconds: [traced, 0.0],
         };
         world.lights = Lights::new(&world);
+        world.scene.images = Vec::new();
         world.build_seconds[1] = start.elapsed().as_secs_f64() - traced;
         Ok(world)
     }
 
-    /// The scene that was prepared; its meshes' vertex arrays were moved into the renderer's own layout and are empty.
+    /// The scene that was prepared. Its images and its meshes' arrays were moved into the renderer's own layout and are empty.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
@@ -137,7 +143,7 @@ impl World {
     }
 
     /// True if the surface is there for this ray: the alpha test. `key` makes the choice for blended surfaces.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn accepts(&self, key: u32, instance: u32, triangle: u32, u: f32, v: f32) -> bool {
         let i = &self.instances[instance as usize];
         let m = &self.scene.materials[i.material as usize];
@@ -156,36 +162,50 @@ impl World {
     }
 
     /// The nearest surface that the ray meets.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn closest(&self, ray: &Ray, key: u32) -> Option<Hit> {
         self.accel.closest(ray, &|i, t, u, v| self.accepts(key, i, t, u, v))
     }
 
     /// True if anything lies on the ray.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn occluded(&self, ray: &Ray, key: u32) -> bool {
         self.accel.any(ray, &|i, t, u, v| self.accepts(key, i, t, u, v))
     }
 
     /// The three corners of a triangle in world space.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn corners(&self, instance: u32, triangle: u32) -> [Vec3A; 3] {
         let i = &self.instances[instance as usize];
         let mesh = &self.meshes[i.mesh as usize];
-        mesh.indices[triangle as usize]
-            .map(|k| i.to_world.transform_point3a(mesh.vertices[k as usize].position.into()))
+        let [a, b, c] = mesh.indices[triangle as usize];
+        let at = |k: u32| Vec3A::from(mesh.vertices[k as usize].position);
+        if i.baked {
+            return [at(a), at(b), at(c)];
+        }
+        [
+            i.to_world.transform_point3a(at(a)),
+            i.to_world.transform_point3a(at(b)),
+            i.to_world.transform_point3a(at(c)),
+        ]
     }
 }
 
-/// Gives an eight-bit image four channels, which are quicker to look up.
-fn with_four_channels(image: &mut Arc<Image>) {
-    let (Pixels::U8(p), n @ 1..=3) = (&image.pixels, image.channels) else { return };
-    let pixels = match n {
-        1 => p.iter().flat_map(|&g| [g, g, g, 255]).collect(),
-        2 => p.as_chunks::<2>().0.iter().flat_map(|&[g, a]| [g, g, g, a]).collect(),
-        _ => p.as_chunks::<3>().0.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect(),
-    };
-    *image = Arc::new(Image { channels: 4, pixels: Pixels::U8(pixels), ..**image });
+/// Moves the vertices of meshes that stand in one place there, so that no hit has to.
+fn bake(meshes: &mut [MeshData], instances: &mut [InstanceData]) {
+    let mut places = vec![0u32; meshes.len()];
+    instances.iter().for_each(|i| places[i.mesh as usize] += 1);
+    for i in instances.iter_mut().filter(|i| places[i.mesh as usize] == 1) {
+        meshes[i.mesh as usize].vertices.par_iter_mut().for_each(|v| {
+            v.position = i.to_world.transform_point3a(v.position.into()).into();
+            v.normal = (i.normal_to_world * Vec3A::from(v.normal)).normalize_or_zero().into();
+            let t = i.to_world.matrix3 * Vec3A::from_vec4(v.tangent);
+            v.tangent = t.normalize_or_zero().extend(v.tangent.w);
+        });
+        i.to_world = Affine3A::IDENTITY;
+        i.normal_to_world = Mat3A::IDENTITY;
+        i.baked = true;
+    }
 }
 
 impl MeshData {
@@ -218,7 +238,7 @@ impl MeshData {
     }
 
     /// Texture coordinate of set `set` at barycentric `w`; (0, 0) if there is no such set.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn uv(&self, set: u32, corners: [u32; 3], w: [f32; 3]) -> Vec2 {
         let [a, b, c] = if set == 0 {
             corners.map(|k| self.vertices[k as usize].uv)

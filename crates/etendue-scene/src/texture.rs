@@ -1,9 +1,8 @@
 //! Textures: an image, how it repeats, and how a material refers to it.
 
-use etendue_color::{srgb_decode, srgb8_decode};
-use etendue_image::{Image, Pixels};
+use etendue_color::srgb_decode;
+use etendue_image::Image;
 use glam::{Affine2, Vec2, Vec4};
-use std::sync::LazyLock;
 
 /// What a coordinate outside 0..1 means.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -65,12 +64,9 @@ impl TextureRef {
     }
 }
 
-/// sRGB decoding of the 256 eight-bit code values.
-static SRGB8: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|i| srgb8_decode(i as u8)));
-
 impl Wrap {
     /// Brings a far coordinate to where a float still tells texels apart and an `i32` holds them; not a number is 0.
-    #[inline]
+    #[inline(always)]
     fn reduce(self, u: f32) -> f32 {
         if u.abs() < 1024.0 {
             u
@@ -84,7 +80,7 @@ impl Wrap {
     }
 
     /// The texel that stands for texel `i` of a row of `n ≥ 1`.
-    #[inline]
+    #[inline(always)]
     pub fn apply(self, i: i32, n: i32) -> u32 {
         (match self {
             Wrap::Repeat => {
@@ -103,84 +99,67 @@ impl Wrap {
     }
 }
 
-/// Where a lookup falls in an image: four texels and their weights. Images of one size that are looked up at one place in one
+/// Where a lookup falls in an image: four texels, two columns by two rows, and their weights. Images of one size that are looked up at one place in one
 /// way (a material's base colour, roughness, normal …) share it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Footprint {
-    /// Pixel numbers, `y × width + x`.
-    pub texels: [usize; 4],
-    /// Their weights; they add up to 1.
+    /// The two columns.
+    pub x: [u32; 2],
+    /// The two rows.
+    pub y: [u32; 2],
+    /// Weights of (x₀, y₀), (x₁, y₀), (x₀, y₁), (x₁, y₁); they add up to 1.
     pub weights: [f32; 4],
 }
 
 impl Footprint {
     /// The texels of an image of `width × height` pixels about `uv`.
-    #[inline]
+    #[inline(always)]
     pub fn new(sampler: &Sampler, width: u32, height: u32, uv: Vec2) -> Self {
         let (w, h) = (width as i32, height as i32);
         let p = Vec2::new(sampler.wrap_u.reduce(uv.x) * w as f32, sampler.wrap_v.reduce(uv.y) * h as f32);
         if sampler.filter == Filter::Nearest {
             let (x, y) = (floor(p.x), floor(p.y));
-            let i =
-                sampler.wrap_v.apply(y, h) as usize * width as usize + sampler.wrap_u.apply(x, w) as usize;
-            return Self { texels: [i; 4], weights: [1.0, 0.0, 0.0, 0.0] };
+            let (x, y) = (sampler.wrap_u.apply(x, w), sampler.wrap_v.apply(y, h));
+            return Self { x: [x; 2], y: [y; 2], weights: [1.0, 0.0, 0.0, 0.0] };
         }
         let p = p - 0.5;
         let (x, y) = (floor(p.x), floor(p.y));
         let (tx, ty) = (p.x - x as f32, p.y - y as f32);
-        let (x0, x1) = (sampler.wrap_u.apply(x, w) as usize, sampler.wrap_u.apply(x + 1, w) as usize);
-        let row = |y| sampler.wrap_v.apply(y, h) as usize * width as usize;
-        let (y0, y1) = (row(y), row(y + 1));
         let (sx, sy) = (1.0 - tx, 1.0 - ty);
-        Self { texels: [y0 + x0, y0 + x1, y1 + x0, y1 + x1], weights: [sx * sy, tx * sy, sx * ty, tx * ty] }
+        Self {
+            x: [sampler.wrap_u.apply(x, w), sampler.wrap_u.apply(x + 1, w)],
+            y: [sampler.wrap_v.apply(y, h), sampler.wrap_v.apply(y + 1, h)],
+            weights: [sx * sy, tx * sy, sx * ty, tx * ty],
+        }
+    }
+
+    /// The weighted sum of what `texel` says of a column and a row.
+    #[inline(always)]
+    pub fn gather(&self, texel: impl Fn(u32, u32) -> Vec4) -> Vec4 {
+        let ([x0, x1], [y0, y1], w) = (self.x, self.y, self.weights);
+        texel(x0, y0) * w[0] + texel(x1, y0) * w[1] + texel(x0, y1) * w[2] + texel(x1, y1) * w[3]
     }
 
     /// RGBA of `image` here, colour channels decoded from sRGB to linear. Grey images give equal channels; no alpha is 1.
-    #[inline]
     pub fn srgb(&self, image: &Image) -> Vec4 {
-        self.gather::<true>(image)
+        self.gather(|x, y| texel::<true>(image, x, y))
     }
 
     /// RGBA of `image` here as stored (data: normals, roughness …).
-    #[inline]
     pub fn linear(&self, image: &Image) -> Vec4 {
-        self.gather::<false>(image)
-    }
-
-    #[inline(always)]
-    fn gather<const SRGB: bool>(&self, image: &Image) -> Vec4 {
-        if let (Pixels::U8(p), 4) = (&image.pixels, image.channels) {
-            let p = p.as_chunks::<4>().0;
-            let mut sum = Vec4::ZERO;
-            for (i, w) in self.texels.iter().zip(self.weights) {
-                sum += rgba8::<SRGB>(p[*i]) * w;
-            }
-            return if SRGB { sum } else { sum * (1.0 / 255.0) };
-        }
-        self.gather_other::<SRGB>(image)
-    }
-
-    #[inline(never)]
-    fn gather_other<const SRGB: bool>(&self, image: &Image) -> Vec4 {
-        let mut sum = Vec4::ZERO;
-        for (i, w) in self.texels.iter().zip(self.weights) {
-            if w != 0.0 {
-                sum += texel::<SRGB>(image, *i) * w;
-            }
-        }
-        sum
+        self.gather(|x, y| texel::<false>(image, x, y))
     }
 }
 
 impl Texture {
     /// RGBA at `uv`, colour channels decoded from sRGB to linear: [`Footprint::srgb`].
-    #[inline]
+    #[inline(always)]
     pub fn sample_srgb(&self, image: &Image, uv: Vec2) -> Vec4 {
         Footprint::new(&self.sampler, image.width, image.height, uv).srgb(image)
     }
 
     /// RGBA at `uv` as stored: [`Footprint::linear`].
-    #[inline]
+    #[inline(always)]
     pub fn sample_linear(&self, image: &Image, uv: Vec2) -> Vec4 {
         Footprint::new(&self.sampler, image.width, image.height, uv).linear(image)
     }
@@ -193,19 +172,7 @@ fn floor(x: f32) -> i32 {
     i - i32::from((i as f32) > x)
 }
 
-/// Four bytes as floats; alpha and data still need a division by 255, sRGB colours are done.
-#[inline(always)]
-fn rgba8<const SRGB: bool>(c: [u8; 4]) -> Vec4 {
-    if SRGB {
-        let t = &*SRGB8;
-        Vec4::new(t[c[0] as usize], t[c[1] as usize], t[c[2] as usize], c[3] as f32 * (1.0 / 255.0))
-    } else {
-        Vec4::new(c[0] as f32, c[1] as f32, c[2] as f32, c[3] as f32)
-    }
-}
-
-fn texel<const SRGB: bool>(image: &Image, i: usize) -> Vec4 {
-    let (x, y) = ((i % image.width as usize) as u32, (i / image.width as usize) as u32);
+fn texel<const SRGB: bool>(image: &Image, x: u32, y: u32) -> Vec4 {
     let s = |c| image.sample(x, y, c);
     let v = match image.channels {
         1 => Vec4::new(s(0), s(0), s(0), 1.0),
@@ -219,6 +186,7 @@ fn texel<const SRGB: bool>(image: &Image, i: usize) -> Vec4 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use etendue_image::Pixels;
 
     fn ramp() -> Image {
         Image { width: 2, height: 1, channels: 1, pixels: Pixels::U8(vec![0, 255]) }

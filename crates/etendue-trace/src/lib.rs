@@ -111,6 +111,9 @@ mod tests;
 mod traverse;
 mod triangle;
 mod wide;
+mod wide_work;
 
 pub use accel::{Accel, Kernel};
+pub use pages::Pages;
 pub use ray::{Hit, Ray};
+pub use wide_work::{Work, run_wide};

@@ -11,8 +11,10 @@ use memmap2::{MmapMut, MmapOptions};
 const SMALL: usize = 4 << 20;
 
 /// A slice of zeroed elements, then filled in place.
-pub(crate) enum Pages<T> {
+pub enum Pages<T> {
+    /// An ordinary allocation: small, or the system gave no mapping.
     Heap(Vec<T>),
+    /// A mapping, and how many elements of it are in use.
     Mapped(MmapMut, usize),
 }
 

@@ -57,7 +57,9 @@ impl Packet {
     /// The triangles that the ray may meet with `t_min < t ≤ t_max`: [`Candidates::next`] gives the hits.
     #[inline(always)]
     pub fn intersect<S: Lanes>(&self, ray: &Prepared, t_max: f32) -> Option<Candidates> {
-        let origin = [ray.kx, ray.ky, ray.kz].map(|k| S::splat(ray.origin[k]));
+        // Spelled out: `array::map` is not inlined here, and outside it there is no AVX2.
+        let at = |k: usize| S::splat(ray.origin[k]);
+        let origin = [at(ray.kx), at(ray.ky), at(ray.kz)];
         let (sx, sy) = (S::splat(ray.sx), S::splat(ray.sy));
         let (ax, ay, az) = self.shear(0, ray, origin, sx, sy);
         let (bx, by, bz) = self.shear(1, ray, origin, sx, sy);
