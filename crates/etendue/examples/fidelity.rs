@@ -155,7 +155,7 @@ fn on_grey(image: &Image) -> Image {
     let mut out = Vec::with_capacity(image.width as usize * image.height as usize * 3);
     for y in 0..image.height {
         for x in 0..image.width {
-            let alpha = if channels % 2 == 0 { image.sample(x, y, channels - 1) } else { 1.0 };
+            let alpha = if channels.is_multiple_of(2) { image.sample(x, y, channels - 1) } else { 1.0 };
             for c in 0..3 {
                 let v = image.sample(x, y, if channels < 3 { 0 } else { c });
                 out.push(v * alpha + 0.5 * (1.0 - alpha));
