@@ -13,7 +13,7 @@
 //! let mut film = renderer.film();
 //! renderer.render(&mut film, 0, 4, &Default::default());
 //! assert!(film.picture(false).sample(8, 8, 1) > 0.0);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! # Ok::<(), Box<dyn std::error::Error + Send + Sync>>(())
 //! ```
 #![forbid(unsafe_code)]
 

@@ -55,7 +55,7 @@ pub(crate) struct RenderArgs {
     )]
     pub env_rotation: f32,
     /// Multiply the sky
-    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = non_negative, help_heading = "Scene")]
+    #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true, value_parser = non_negative, help_heading = "Scene")]
     pub env_intensity: f32,
     /// Evaluate the model's animation at this time instead of at rest
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = finite, help_heading = "Scene")]
@@ -76,7 +76,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = vec3, allow_hyphen_values = true, requires = "eye", help_heading = "Camera")]
     pub up: Option<Vec3Arg>,
     /// Vertical field of view, degrees [default: 35, or the camera's own]
-    #[arg(long, value_name = "DEG", value_parser = field_of_view, help_heading = "Camera")]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = field_of_view, help_heading = "Camera")]
     pub vfov: Option<f32>,
     /// Picture size, pixels [default: 512x512, or the camera's aspect at height 512]
     #[arg(short, long, value_name = "WxH", value_parser = size, help_heading = "Picture")]
@@ -99,7 +99,7 @@ pub(crate) struct RenderArgs {
     #[arg(short = 'n', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Work")]
     pub spp: Option<u32>,
     /// Stop when the estimated relative error of the picture falls below this, e.g. 0.01 (at the same sample on every machine)
-    #[arg(long, value_name = "E", value_parser = positive, help_heading = "Work")]
+    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = positive, help_heading = "Work")]
     pub noise: Option<f32>,
     /// Stop after this time, e.g. 60s, 5m, 1h
     #[arg(long, value_name = "TIME", value_parser = duration, help_heading = "Work")]
@@ -114,7 +114,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(..=1024), help_heading = "Work")]
     pub bounces: u32,
     /// Clamp a sample's indirect light to this (biased; off by default)
-    #[arg(long, value_name = "X", value_parser = positive, help_heading = "Work")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = positive, help_heading = "Work")]
     pub clamp_indirect: Option<f32>,
     /// Threads [default: all]
     #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Work")]

@@ -28,6 +28,18 @@ pub enum CliError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// The sky is not there or cannot be read.
+    #[error("cannot read the sky {}: {source}", path.display())]
+    #[diagnostic(help(
+        "looked for it at {}; a sky is a .hdr or .exr file, `studio`, `none` or a colour such as 0.5,0.7,1",
+        absolute(path)
+    ))]
+    Sky {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
     /// A file cannot be written.
     #[error("cannot write {}: {}", path.display(), cause(path, source))]
     Write {

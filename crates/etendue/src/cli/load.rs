@@ -39,7 +39,7 @@ pub(crate) fn environment(args: &RenderArgs) -> Result<(Environment, Vec<String>
         return Ok((builtin::studio(rotation, args.env_intensity)?, Vec::new()));
     }
     if let Err(source) = std::fs::metadata(path) {
-        return Err(CliError::Read { path: path.to_path_buf(), source });
+        return Err(CliError::Sky { path: path.to_path_buf(), source });
     }
     let e = read_environment(path)?;
     let image = Arc::new(e.image);

@@ -39,7 +39,7 @@ impl Progress {
     ) -> Self {
         let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(1000), target);
-        if let Ok(style) = ProgressStyle::with_template("{bar:28} {percent:>3}%  {wide_msg}") {
+        if let Ok(style) = ProgressStyle::with_template("{percent:>3}%  {msg}  {wide_bar}") {
             bar.set_style(style.progress_chars("━╸ "));
         }
         let state = Arc::new(State {

@@ -114,8 +114,8 @@ impl Job<'_> {
                 self.renderer.render(film, at, at + n, &self.counters);
                 at += n;
                 let rate = f64::from(n) / begun.elapsed().as_secs_f64().max(1e-6);
-                // Batches of a quarter of a second: short enough to stop at, long enough to cost nothing.
-                batch = ((rate * 0.25) as u32).clamp(1, 4096).min(batch.saturating_mul(8));
+                // Batches of a second: short enough to stop at, long enough for a pixel's samples to share the caches.
+                batch = (rate as u32).clamp(1, 4096);
                 if let Some(budget) = goal.time {
                     let left = budget.saturating_sub(start.elapsed()).as_secs_f64();
                     if left * rate < 1.0 {

@@ -1,0 +1,11 @@
+//! The program as a user meets it: files in, files, messages and exit codes out.
+//!
+//! Everything runs the built binary in a folder of its own, on the built-in model or a model of a few lines, at sizes that
+//! take a moment.
+
+mod errors;
+mod films;
+mod lab;
+mod pictures;
+mod stop;
+mod tools;
