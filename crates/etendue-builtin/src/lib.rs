@@ -9,7 +9,6 @@ mod details;
 mod fabric;
 mod form;
 mod gltf_write;
-mod hdr_write;
 mod helmet;
 mod lathe;
 mod marks;

@@ -1,6 +1,7 @@
 //! The built-in sky: a photographer's studio, drawn by formula.
 
 use crate::noise::smoothstep;
+use etendue_image::{Image, PictureFormat, Pixels, WriteOptions, encode_picture};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
@@ -155,5 +156,14 @@ pub fn pixels() -> Vec<[f32; 3]> {
 
 /// The sky as a Radiance picture.
 pub fn studio() -> Vec<u8> {
-    crate::hdr_write::radiance_file(WIDTH, WIDTH / 2, &pixels())
+    let light = Image {
+        width: WIDTH as u32,
+        height: WIDTH as u32 / 2,
+        channels: 3,
+        pixels: Pixels::F32(pixels().into_flattened()),
+    };
+    let mut file = Vec::new();
+    encode_picture(&mut file, PictureFormat::Hdr, &light, &WriteOptions::default())
+        .expect("a sound picture into memory");
+    file
 }

@@ -121,7 +121,7 @@ impl Sampler {
         let mut out = [0.0; 4];
         for k in 0..4 {
             let x = a[k] ^ b[k] ^ c[k] ^ d[k];
-            let scramble = hash(key.wrapping_add(0x632b_e59b * (k as u32 + 1)));
+            let scramble = hash(key.wrapping_add(0x632b_e59b_u32.wrapping_mul(k as u32 + 1)));
             out[k] = unit(laine_karras(x, scramble).reverse_bits());
         }
         out

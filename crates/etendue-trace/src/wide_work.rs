@@ -4,6 +4,18 @@
 //! rounding. [`run_wide`] holds a second compilation of what is inlined into it, for processors that have AVX2, and chooses when
 //! it runs. The numbers do not change: nothing is contracted or reordered, only encoded better.
 
+/// True if the processor has AVX2 and what came with it: fused multiply-add and bit manipulation.
+#[cfg(target_arch = "x86_64")]
+#[inline]
+pub(crate) fn has_avx2() -> bool {
+    is_x86_feature_detected!("avx2")
+        && is_x86_feature_detected!("fma")
+        && is_x86_feature_detected!("bmi1")
+        && is_x86_feature_detected!("bmi2")
+        && is_x86_feature_detected!("lzcnt")
+        && is_x86_feature_detected!("popcnt")
+}
+
 /// Something to do, whose hot parts are `#[inline(always)]`.
 pub trait Work {
     /// What comes out.
@@ -25,14 +37,8 @@ pub fn run_wide<W: Work>(work: W) -> W::Output {
         unsafe fn avx2<W: Work>(work: W) -> W::Output {
             work.run()
         }
-        if is_x86_feature_detected!("avx2")
-            && is_x86_feature_detected!("fma")
-            && is_x86_feature_detected!("bmi1")
-            && is_x86_feature_detected!("bmi2")
-            && is_x86_feature_detected!("lzcnt")
-            && is_x86_feature_detected!("popcnt")
-        {
-            // SAFETY: each of the features was just detected.
+        if has_avx2() {
+            // SAFETY: `has_avx2` asks for each of the features.
             return unsafe { avx2(work) };
         }
     }
