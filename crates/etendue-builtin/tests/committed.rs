@@ -187,7 +187,7 @@ fn studio_lights_without_glare() {
     let file = committed("studio.hdr");
     assert!(file.len() <= 500_000, "{} bytes", file.len());
     let (_, _, pixels) = radiance(&file);
-    let peak = pixels.iter().flat_map(|p| *p).fold(0.0f64, f64::max);
+    let peak = pixels.iter().flatten().copied().fold(0.0f64, f64::max);
     assert!((10.0..60.0).contains(&peak), "peak radiance {peak}");
-    assert!(pixels.iter().all(|p| *p.iter().all(|c| *c > 0.0)), "no direction is black");
+    assert!(pixels.iter().all(|p| p.iter().all(|c| *c > 0.0)), "no direction is black");
 }
