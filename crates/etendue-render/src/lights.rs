@@ -149,10 +149,11 @@ impl Lights {
         let far = match (&self.far, self.tree.is_empty()) {
             (None, _) => 0.0,
             (Some(_), true) => 1.0,
+            // Bounds are no certainty: neither kind is given up entirely.
             (Some(_), false) => {
                 let near = self.tree.importance(point, normal);
                 if near > 0.0 {
-                    (self.far_irradiance / (self.far_irradiance + near)).clamp(0.1, 0.9)
+                    (self.far_irradiance / (self.far_irradiance + near)).clamp(0.03, 0.97)
                 } else {
                     1.0
                 }
