@@ -141,7 +141,7 @@ fn rate(seconds: f64, mut work: impl FnMut() -> u64) -> f64 {
     1.0 / best
 }
 
-/// Samples per second, and variance × time: two renders with different seeds, as `shared/peers` does for other programs;
+/// Samples per second, and variance × time: two renders with different seeds, as `bench/peers.py` does for other programs;
 /// relvar = mean of ((a − b)² / 2) / (((a + b) / 2)² + 0.01) over pixels and channels.
 fn to_equal_error(world: &World, b: &BenchScene, seconds: f64) -> (f64, f64) {
     let settings = Settings { filter: crate::render::Filter::Box, ..Settings::default() };
