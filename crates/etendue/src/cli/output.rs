@@ -29,7 +29,7 @@ impl DevelopArgs {
         Self {
             exposure: if has("exposure") { self.exposure } else { then.exposure },
             curve: if has("curve") { self.curve } else { then.curve },
-            // A curve asked for now is not undone by a `--linear` of then.
+            // A curve that is given anew is not undone by an older `--linear`.
             linear: if has("linear") || has("curve") { self.linear } else { then.linear },
             bits: if has("bits") { self.bits } else { then.bits },
             quality: if has("quality") { self.quality } else { then.quality },
