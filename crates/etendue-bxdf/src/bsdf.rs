@@ -12,9 +12,9 @@ pub const MIN_COS: f32 = 1e-6;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum LobeKind {
-    /// Light that entered the surface and came out again without a preferred direction.
+    /// Light that entered the surface and came out again, on either side, without a preferred direction.
     Diffuse,
-    /// Light mirrored by the surface or its microfacets.
+    /// Light mirrored or refracted by the surface or its microfacets.
     Specular,
 }
 
@@ -77,7 +77,10 @@ pub struct DeltaPart {
 ///
 /// - `wo` and `wi` are unit, point away from the surface, and +Z is the shading normal. `wo` is where the light goes
 ///   to (the camera's side of a path), `wi` where it comes from.
-/// - `wo.z ≤` [`MIN_COS`] gives nothing (zero, or `None`): for surfaces seen from behind the caller flips the frame.
+/// - `wo.z ≤` [`MIN_COS`] gives nothing (zero, or `None`): for surfaces seen from behind the caller flips the frame, and
+///   makes the closure for that side ([`crate::model::Incidence`]).
+/// - `wi.z > 0` is reflection, `wi.z < 0` transmission; `|wi.z| ≤` [`MIN_COS`] gives nothing. Most surfaces let nothing
+///   through; those that do say so by [`Bsdf::refraction`]. Cosines in weights are absolute.
 /// - Values are finite and not negative for every input. A NaN in a direction gives zero or `None`.
 /// - Quantities "per steradian" are with respect to solid angle, never projected solid angle.
 /// - Perfectly specular (delta) parts are seen by `sample`, `deltas` and `albedo`, and by nothing else.
@@ -91,7 +94,8 @@ pub trait Bsdf {
     /// no light (below the horizon, for instance): the sample counts, with weight zero.
     fn sample(&self, wo: Vec3A, uc: f32, u: [f32; 2]) -> Option<BsdfSample>;
 
-    /// Directional-hemispherical reflectance: the part of the light from `wo` that is scattered anywhere.
+    /// The part of the light from `wo` that is scattered anywhere: directional-hemispherical reflectance, plus
+    /// transmittance where light passes.
     ///
     /// Each type says whether it is exact or an estimate; [`crate::quadrature::directional_albedo`] is always exact.
     fn albedo(&self, wo: Vec3A) -> Spectrum;
@@ -123,5 +127,15 @@ pub trait Bsdf {
     #[inline]
     fn narrowest_alpha(&self) -> [f32; 2] {
         [1.0, 1.0]
+    }
+
+    /// Whether light passes through, and where its peak lies: the index of refraction of the far side over that of the
+    /// near side (of `wo`'s). 1 for thin sheets and for light that passes without a preferred direction; `None` if
+    /// nothing passes.
+    ///
+    /// Numerical integration over the far side is done if this is there, around the direction that it gives.
+    #[inline]
+    fn refraction(&self) -> Option<f32> {
+        None
     }
 }

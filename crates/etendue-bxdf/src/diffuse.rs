@@ -2,11 +2,30 @@
 
 use crate::{
     bsdf::{Bsdf, BsdfSample, Eval, LobeKind, MIN_COS},
-    sampling,
+    model::{Incidence, ModelParams},
+    parameters, sampling,
 };
 use core::f32::consts::FRAC_1_PI;
 use etendue_color::Spectrum;
 use glam::Vec3A;
+
+parameters! {
+    /// What a Lambertian surface is at a point.
+    pub struct LambertParams {
+        /// Reflectance, each lane 0..1.
+        base_color: Spectrum = Spectrum::rgb(0.8, 0.8, 0.8), 0.0..1.0;
+    }
+}
+
+impl ModelParams for LambertParams {
+    type Closure = Lambert;
+    const ABOUT: &'static str = "an ideally matte surface (Lambert 1760)";
+
+    #[inline]
+    fn closure(&self, _at: &Incidence) -> Lambert {
+        Lambert { color: self.base_color.map(|v| v.max(0.0).min(1.0)) }
+    }
+}
 
 /// Lambert's surface: f = ρ / π (Lambert 1760), sampled by the cosine.
 ///

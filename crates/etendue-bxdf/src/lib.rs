@@ -12,6 +12,7 @@
 //! | [`diffuse`] | Lambert |
 //! | [`energy`] | the GGX lobe's albedo as a table |
 //! | [`metal_rough`] | glTF 2.0 Appendix B with `KHR_materials_ior` and `KHR_materials_specular` |
+//! | [`model`] | the whole models by name, with their parameters |
 //! | [`math`] | elementary functions with the same bits on each platform |
 //! | [`sampling`] | disks, hemispheres, cones, triangles, frames, MIS weights |
 //! | [`quadrature`] | integrals over directions: albedo, total density |
@@ -49,6 +50,7 @@ pub mod ggx;
 pub mod laws;
 pub mod math;
 pub mod metal_rough;
+pub mod model;
 pub mod quadrature;
 pub mod sampling;
 

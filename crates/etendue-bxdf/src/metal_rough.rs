@@ -35,42 +35,42 @@ use crate::{
     energy::Row,
     fresnel::{f0_from_ior, schlick_weight},
     ggx::{ALPHA_DELTA, Ggx, mirror},
+    model::{Incidence, ModelParams},
+    parameters,
     sampling::cosine_hemisphere,
 };
 use core::f32::consts::{FRAC_1_PI, PI};
 use etendue_color::Spectrum;
 use glam::Vec3A;
 
-/// What a metallic-roughness surface is at a point, after its textures.
-///
-/// Out of range is clamped, NaN counts as zero (for `ior` as 1.5).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MetalRoughParams {
-    /// Diffuse colour of a dielectric, F0 of a metal; lanes 0..1.
-    pub base_color: Spectrum,
-    /// 0 dielectric .. 1 metal.
-    pub metallic: f32,
-    /// Perceptual roughness, 0..1; α = roughness².
-    pub roughness: f32,
-    /// Index of refraction, ≥ 1; 0 means infinite: reflects everything at each angle.
-    pub ior: f32,
-    /// Strength of the dielectric's reflection, 0..1.
-    pub specular: f32,
-    /// Tint of the dielectric's F0; lanes ≥ 0, may exceed 1.
-    pub specular_color: Spectrum,
+parameters! {
+    /// What a metallic-roughness surface is at a point, after its textures; by default a white, fully rough dielectric.
+    ///
+    /// Out of range is clamped, NaN counts as zero (for `ior` as 1.5).
+    pub struct MetalRoughParams {
+        /// Diffuse colour of a dielectric, F0 of a metal; lanes 0..1.
+        base_color: Spectrum = Spectrum::ONE, 0.0..1.0;
+        /// 0 dielectric .. 1 metal.
+        metallic: f32 = 0.0, 0.0..1.0;
+        /// Perceptual roughness, 0..1; α = roughness².
+        roughness: f32 = 1.0, 0.0..1.0;
+        /// Index of refraction, ≥ 1; 0 means infinite: reflects everything at each angle.
+        ior: f32 = 1.5, 1.0..4.0;
+        /// Strength of the dielectric's reflection, 0..1.
+        specular: f32 = 1.0, 0.0..1.0;
+        /// Tint of the dielectric's F0; lanes ≥ 0, may exceed 1.
+        specular_color: Spectrum = Spectrum::ONE, 0.0..1.0;
+    }
 }
 
-impl Default for MetalRoughParams {
-    /// A white, fully rough dielectric of index 1.5.
-    fn default() -> Self {
-        Self {
-            base_color: Spectrum::ONE,
-            metallic: 0.0,
-            roughness: 1.0,
-            ior: 1.5,
-            specular: 1.0,
-            specular_color: Spectrum::ONE,
-        }
+impl ModelParams for MetalRoughParams {
+    type Closure = MetalRough;
+    const ABOUT: &'static str =
+        "glTF 2.0's metallic-roughness surface with KHR_materials_ior and KHR_materials_specular";
+
+    #[inline]
+    fn closure(&self, _at: &Incidence) -> MetalRough {
+        MetalRough::new(self)
     }
 }
 
