@@ -7,17 +7,21 @@
 
 mod camera;
 mod environment;
+mod extensions;
 mod light;
 mod material;
 mod mesh;
+mod scene;
 mod texture;
 
 pub use camera::{Camera, CameraRays, Projection};
 pub use environment::Environment;
+pub use extensions::{
+    Anisotropy, Clearcoat, DiffuseTransmission, Extensions, Iridescence, Sheen, SpecularGlossiness,
+    Transmission, Volume,
+};
 pub use light::{Light, LightKind};
 pub use material::{AlphaMode, Material, NormalTexture};
 pub use mesh::{Instance, Mesh};
+pub use scene::{Bounds, InvalidScene, Scene, Variant};
 pub use texture::{Filter, Footprint, Sampler, Texture, TextureRef, Wrap};
-
-mod scene;
-pub use scene::{Bounds, InvalidScene, Scene};

@@ -1,6 +1,7 @@
 //! Surfaces, in the words of glTF 2.0 and its ratified extensions.
 
-use crate::TextureRef;
+use crate::{Extensions, TextureRef};
+use etendue_bxdf::model::Model;
 use glam::Vec3;
 
 /// How the base colour's alpha is read.
@@ -67,6 +68,11 @@ pub struct Material {
     pub specular_color: Vec3,
     /// sRGB, multiplies `specular_color`.
     pub specular_color_texture: Option<TextureRef>,
+    /// What further extensions add; `None` if the material uses none of them.
+    pub extensions: Option<Box<Extensions>>,
+    /// A model of another family that scatters in place of the factors above. Normal map, alpha and emission stay; base
+    /// colour, metalness and roughness are the model's own.
+    pub model: Option<Box<Model>>,
 }
 
 impl Default for Material {
@@ -93,6 +99,8 @@ impl Default for Material {
             specular_texture: None,
             specular_color: Vec3::ONE,
             specular_color_texture: None,
+            extensions: None,
+            model: None,
         }
     }
 }
@@ -111,6 +119,7 @@ impl Material {
         ]
         .into_iter()
         .flatten()
+        .chain(self.extensions.iter().flat_map(|e| e.textures()))
     }
 
     /// True if every factor is a finite number.
@@ -122,6 +131,7 @@ impl Material {
             && self.specular_color.is_finite()
             && scalars.iter().all(|v| v.is_finite())
             && self.normal_texture.is_none_or(|n| n.scale.is_finite())
+            && self.extensions.as_ref().is_none_or(|e| e.is_finite())
             && self.textures().all(|t| t.transform.is_finite())
     }
 

@@ -24,6 +24,17 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Light from infinitely far away.
     pub environment: Environment,
+    /// Other sets of materials that the file brought along (`KHR_materials_variants`); see [`Scene::select_variant`].
+    pub variants: Vec<Variant>,
+}
+
+/// A named choice of materials.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Variant {
+    /// The file's name for it.
+    pub name: String,
+    /// Pairs of an instance and the material that it has in this variant; other instances keep theirs.
+    pub materials: Vec<[u32; 2]>,
 }
 
 /// An axis-aligned box; empty when `min > max`.
@@ -80,6 +91,27 @@ impl std::fmt::Display for InvalidScene {
 impl std::error::Error for InvalidScene {}
 
 impl Scene {
+    /// Gives the instances the materials of the variant `name`.
+    ///
+    /// # Errors
+    /// A sentence with the names that there are, if there is no such variant.
+    pub fn select_variant(&mut self, name: &str) -> Result<(), String> {
+        let Some(variant) = self.variants.iter().find(|v| v.name == name) else {
+            let names: Vec<_> = self.variants.iter().map(|v| format!("{:?}", v.name)).collect();
+            return Err(if names.is_empty() {
+                format!("there is no variant {name:?}: the model has no variants")
+            } else {
+                format!("there is no variant {name:?}; there are {}", names.join(", "))
+            });
+        };
+        for &[instance, material] in &variant.materials {
+            if let Some(i) = self.instances.get_mut(instance as usize) {
+                i.material = Some(material);
+            }
+        }
+        Ok(())
+    }
+
     /// Number of triangles as rendered: each instance counts its mesh's.
     pub fn triangle_count(&self) -> u64 {
         self.instances.iter().map(|i| self.meshes[i.mesh as usize].indices.len() as u64).sum()
@@ -119,6 +151,16 @@ impl Scene {
                 return err(format!("instance {n} ({}): transform is not finite", i.name));
             }
         }
+        for (n, v) in self.variants.iter().enumerate() {
+            for &[i, m] in &v.materials {
+                if i as usize >= self.instances.len() || m as usize >= self.materials.len() {
+                    return err(format!(
+                        "variant {n} ({}): instance {i} or material {m} does not exist",
+                        v.name
+                    ));
+                }
+            }
+        }
         for (n, t) in self.textures.iter().enumerate() {
             if t.image as usize >= self.images.len() {
                 return err(format!("texture {n}: image {} does not exist", t.image));
@@ -153,5 +195,30 @@ impl Scene {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Affine3A;
+
+    #[test]
+    fn a_variant_changes_its_own_instances_only() {
+        let instance =
+            |material| Instance { name: String::new(), mesh: 0, material, transform: Affine3A::IDENTITY };
+        let mut scene = Scene {
+            meshes: vec![Mesh::default()],
+            instances: vec![instance(Some(0)), instance(None)],
+            materials: vec![Material::default(); 2],
+            variants: vec![Variant { name: "red".into(), materials: vec![[0, 1]] }],
+            ..Scene::default()
+        };
+        assert!(scene.validate().is_ok());
+        assert!(scene.select_variant("blue").expect_err("unknown").contains("\"red\""));
+        assert!(scene.select_variant("red").is_ok());
+        assert_eq!((scene.instances[0].material, scene.instances[1].material), (Some(1), None));
+        scene.variants[0].materials.push([2, 0]);
+        assert!(scene.validate().is_err());
     }
 }

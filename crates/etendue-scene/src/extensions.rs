@@ -1,0 +1,207 @@
+//! What glTF's material extensions add to a surface.
+//!
+//! Factors are multiplied by their textures where there are some; each field's documentation names the texture's channel.
+
+use crate::{NormalTexture, TextureRef};
+use glam::Vec3;
+
+/// The extensions that a material uses; absent ones cost nothing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Extensions {
+    /// `KHR_materials_anisotropy`.
+    pub anisotropy: Option<Anisotropy>,
+    /// `KHR_materials_clearcoat`.
+    pub clearcoat: Option<Clearcoat>,
+    /// `KHR_materials_diffuse_transmission`.
+    pub diffuse_transmission: Option<DiffuseTransmission>,
+    /// `KHR_materials_dispersion`: 20 over the Abbe number of the interior; 0 for none.
+    pub dispersion: f32,
+    /// `KHR_materials_iridescence`.
+    pub iridescence: Option<Iridescence>,
+    /// `KHR_materials_sheen`.
+    pub sheen: Option<Sheen>,
+    /// `KHR_materials_pbrSpecularGlossiness`: replaces metalness and roughness.
+    pub specular_glossiness: Option<SpecularGlossiness>,
+    /// `KHR_materials_transmission`.
+    pub transmission: Option<Transmission>,
+    /// `KHR_materials_volume`: without it the surface is an infinitely thin sheet.
+    pub volume: Option<Volume>,
+}
+
+/// Stretched highlights.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Anisotropy {
+    /// 0 isotropic .. 1.
+    pub strength: f32,
+    /// Direction of the larger roughness: radians from the tangent, counter-clockwise.
+    pub rotation: f32,
+    /// Direction in RG (−1..1 stored as 0..1, turned by `rotation`), strength in B.
+    pub texture: Option<TextureRef>,
+}
+
+/// A layer of lacquer of index 1.5.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clearcoat {
+    /// Coverage, 0..1.
+    pub factor: f32,
+    /// Coverage in R.
+    pub texture: Option<TextureRef>,
+    /// Perceptual roughness, 0..1.
+    pub roughness: f32,
+    /// Roughness in G.
+    pub roughness_texture: Option<TextureRef>,
+    /// Bends the coat's own normal, which otherwise is the one without the base's normal map.
+    pub normal_texture: Option<NormalTexture>,
+}
+
+/// Light that passes and comes out evenly, as through a leaf.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiffuseTransmission {
+    /// Part of the diffuse light that passes, 0..1.
+    pub factor: f32,
+    /// Factor in A.
+    pub texture: Option<TextureRef>,
+    /// Colour of what passes, linear.
+    pub color: Vec3,
+    /// sRGB.
+    pub color_texture: Option<TextureRef>,
+}
+
+/// A thin film.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Iridescence {
+    /// Coverage, 0..1.
+    pub factor: f32,
+    /// Coverage in R.
+    pub texture: Option<TextureRef>,
+    /// Index of the film.
+    pub ior: f32,
+    /// Thickness, nanometres, where the texture is 0, and where it is 1 or absent.
+    pub thickness: [f32; 2],
+    /// Thickness in G.
+    pub thickness_texture: Option<TextureRef>,
+}
+
+/// Fuzz: the back-scattering of cloth.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sheen {
+    /// Linear colour and strength; black for none.
+    pub color: Vec3,
+    /// sRGB.
+    pub color_texture: Option<TextureRef>,
+    /// Perceptual roughness, 0..1.
+    pub roughness: f32,
+    /// Roughness in A.
+    pub roughness_texture: Option<TextureRef>,
+}
+
+/// The older workflow: diffuse colour (kept in the material's base colour) and F0, instead of metalness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpecularGlossiness {
+    /// F0, linear.
+    pub specular: Vec3,
+    /// 1 − perceptual roughness.
+    pub glossiness: f32,
+    /// sRGB F0, and glossiness in A.
+    pub texture: Option<TextureRef>,
+}
+
+/// Light that passes the surface and is refracted.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Transmission {
+    /// Part of the light that is refracted instead of scattered diffusely, 0..1.
+    pub factor: f32,
+    /// Factor in R.
+    pub texture: Option<TextureRef>,
+}
+
+/// What fills a closed surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Volume {
+    /// Thickness beneath the surface in the mesh's space. Light transport only asks whether it is above 0; rasterisers
+    /// need the number.
+    pub thickness: f32,
+    /// Thickness in G.
+    pub thickness_texture: Option<TextureRef>,
+    /// Metres after which white light has the attenuation colour; infinite for a clear volume.
+    pub attenuation_distance: f32,
+    /// Linear colour after that distance.
+    pub attenuation_color: Vec3,
+}
+
+impl Default for DiffuseTransmission {
+    fn default() -> Self {
+        Self { factor: 0.0, texture: None, color: Vec3::ONE, color_texture: None }
+    }
+}
+
+impl Default for Iridescence {
+    fn default() -> Self {
+        Self { factor: 0.0, texture: None, ior: 1.3, thickness: [100.0, 400.0], thickness_texture: None }
+    }
+}
+
+impl Default for SpecularGlossiness {
+    fn default() -> Self {
+        Self { specular: Vec3::ONE, glossiness: 1.0, texture: None }
+    }
+}
+
+impl Default for Volume {
+    fn default() -> Self {
+        Self {
+            thickness: 0.0,
+            thickness_texture: None,
+            attenuation_distance: f32::INFINITY,
+            attenuation_color: Vec3::ONE,
+        }
+    }
+}
+
+impl Extensions {
+    /// Every texture that they refer to.
+    pub fn textures(&self) -> impl Iterator<Item = &TextureRef> {
+        let coat = self.clearcoat.as_ref();
+        let diffuse = self.diffuse_transmission.as_ref();
+        let film = self.iridescence.as_ref();
+        let sheen = self.sheen.as_ref();
+        [
+            self.anisotropy.as_ref().and_then(|e| e.texture.as_ref()),
+            coat.and_then(|e| e.texture.as_ref()),
+            coat.and_then(|e| e.roughness_texture.as_ref()),
+            coat.and_then(|e| e.normal_texture.as_ref()).map(|n| &n.texture),
+            diffuse.and_then(|e| e.texture.as_ref()),
+            diffuse.and_then(|e| e.color_texture.as_ref()),
+            film.and_then(|e| e.texture.as_ref()),
+            film.and_then(|e| e.thickness_texture.as_ref()),
+            sheen.and_then(|e| e.color_texture.as_ref()),
+            sheen.and_then(|e| e.roughness_texture.as_ref()),
+            self.specular_glossiness.as_ref().and_then(|e| e.texture.as_ref()),
+            self.transmission.as_ref().and_then(|e| e.texture.as_ref()),
+            self.volume.as_ref().and_then(|e| e.thickness_texture.as_ref()),
+        ]
+        .into_iter()
+        .flatten()
+    }
+
+    /// True if every factor is a number, and finite where it has to be.
+    pub fn is_finite(&self) -> bool {
+        self.dispersion.is_finite()
+            && self.anisotropy.is_none_or(|e| e.strength.is_finite() && e.rotation.is_finite())
+            && self.clearcoat.is_none_or(|e| {
+                e.factor.is_finite()
+                    && e.roughness.is_finite()
+                    && e.normal_texture.is_none_or(|n| n.scale.is_finite())
+            })
+            && self.diffuse_transmission.is_none_or(|e| e.factor.is_finite() && e.color.is_finite())
+            && self.iridescence.is_none_or(|e| {
+                e.factor.is_finite() && e.ior.is_finite() && e.thickness.iter().all(|t| t.is_finite())
+            })
+            && self.sheen.is_none_or(|e| e.color.is_finite() && e.roughness.is_finite())
+            && self.specular_glossiness.is_none_or(|e| e.specular.is_finite() && e.glossiness.is_finite())
+            && self.transmission.is_none_or(|e| e.factor.is_finite())
+            && self.volume.is_none_or(|e| {
+                e.thickness.is_finite() && !e.attenuation_distance.is_nan() && e.attenuation_color.is_finite()
+            })
+    }
+}
