@@ -112,6 +112,8 @@ pub(crate) fn convert(
         specular_texture,
         specular_color: f.vec3(specular.color, Vec3::ONE, POSITIVE, "specularColorFactor"),
         specular_color_texture,
+        extensions: None,
+        model: None,
     };
     Ok(out)
 }
