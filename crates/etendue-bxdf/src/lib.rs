@@ -12,6 +12,7 @@
 //! | [`diffuse`] | Lambert |
 //! | [`energy`] | the GGX lobe's albedo as a table |
 //! | [`metal_rough`] | glTF 2.0 Appendix B with `KHR_materials_ior` and `KHR_materials_specular` |
+//! | [`gltf`] | the glTF surface with the Khronos material extensions |
 //! | [`model`] | the whole models by name, with their parameters |
 //! | [`math`] | elementary functions with the same bits on each platform |
 //! | [`sampling`] | disks, hemispheres, cones, triangles, frames, MIS weights |
@@ -47,6 +48,7 @@ pub mod diffuse;
 pub mod energy;
 pub mod fresnel;
 pub mod ggx;
+pub mod gltf;
 pub mod laws;
 pub mod math;
 pub mod metal_rough;
@@ -58,4 +60,5 @@ pub use bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS};
 pub use diffuse::Lambert;
 pub use fresnel::Schlick;
 pub use ggx::{Ggx, GgxReflection};
+pub use gltf::GltfParams;
 pub use metal_rough::{Coupling, MetalRough, MetalRoughParams};

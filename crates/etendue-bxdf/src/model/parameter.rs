@@ -1,6 +1,7 @@
 //! What a user may set on a model: names, ranges and defaults, and the way from text to a closure's parameters.
 
 use etendue_color::Spectrum;
+use glam::Vec3A;
 use thiserror::Error;
 
 /// A parameter's value as a user writes it.
@@ -10,6 +11,8 @@ pub enum Value {
     Number(f32),
     /// Linear Rec.709 red, green, blue.
     Color([f32; 3]),
+    /// A direction in the local frame.
+    Vector([f32; 3]),
     /// On or off.
     Flag(bool),
     /// One of the parameter's [`Parameter::choices`].
@@ -99,6 +102,18 @@ impl Field for Spectrum {
     }
 }
 
+impl Field for Vec3A {
+    fn value(self) -> Value {
+        Value::Vector(self.to_array())
+    }
+    fn from_value(v: Value) -> Option<Self> {
+        match v {
+            Value::Vector(v) => Some(Self::from_array(v)),
+            _ => None,
+        }
+    }
+}
+
 impl Field for bool {
     fn value(self) -> Value {
         Value::Flag(self)
@@ -113,8 +128,8 @@ impl Field for bool {
 }
 
 impl Parameter {
-    /// Reads a value of this parameter's kind: a number; a colour as `r,g,b`, one number or `#rrggbb` (sRGB); `true` or
-    /// `false`; one of the choices.
+    /// Reads a value of this parameter's kind: a number; a colour as `r,g,b`, one number or `#rrggbb` (sRGB); a direction
+    /// as `x,y,z`; `true` or `false`; one of the choices.
     ///
     /// # Errors
     /// [`ParameterError::NotAValue`], with what was expected.
@@ -123,6 +138,7 @@ impl Parameter {
         let found = match self.default {
             Value::Number(_) => number(text).map(Value::Number),
             Value::Color(_) => color(text).map(Value::Color),
+            Value::Vector(_) => vector(text).map(Value::Vector),
             Value::Flag(_) => text.trim().parse().ok().map(Value::Flag),
             Value::Choice(_) => self.choices.iter().find(|c| **c == text.trim()).map(|c| Value::Choice(c)),
         };
@@ -132,6 +148,7 @@ impl Parameter {
             expected: match self.default {
                 Value::Number(_) => "a number".into(),
                 Value::Color(_) => "a colour: r,g,b or one number (linear), or #rrggbb (sRGB)".into(),
+                Value::Vector(_) => "a direction: x,y,z".into(),
                 Value::Flag(_) => "true or false".into(),
                 Value::Choice(_) => format!("one of {}", self.choices.join(", ")),
             },
@@ -153,15 +170,24 @@ fn color(text: &str) -> Option<[f32; 3]> {
         }
         return Some(out);
     }
-    let parts: Vec<f32> = text
-        .split(',')
-        .map(|t| t.trim().parse::<f32>().ok().filter(|v| v.is_finite()))
-        .collect::<Option<_>>()?;
-    match parts[..] {
+    match numbers(text)?[..] {
         [v] => Some([v; 3]),
         [r, g, b] => Some([r, g, b]),
         _ => None,
     }
+}
+
+/// `x,y,z`.
+fn vector(text: &str) -> Option<[f32; 3]> {
+    match numbers(text)?[..] {
+        [x, y, z] => Some([x, y, z]),
+        _ => None,
+    }
+}
+
+/// Finite numbers between commas.
+fn numbers(text: &str) -> Option<Vec<f32>> {
+    text.split(',').map(|t| t.trim().parse::<f32>().ok().filter(|v| v.is_finite())).collect()
 }
 
 /// Declares a model's parameters: the struct, its `Default`, and its table for users.

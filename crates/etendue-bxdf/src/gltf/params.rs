@@ -1,0 +1,117 @@
+//! What a glTF surface with extensions is at a point.
+
+use crate::{metal_rough::MetalRoughParams, parameters};
+use etendue_color::Spectrum;
+use glam::Vec3A;
+
+parameters! {
+    /// What a glTF 2.0 surface with its material extensions is at a point, after its textures; by default a white, fully
+    /// rough dielectric without extensions.
+    ///
+    /// Fields have the names of the specification and of the `KHR_materials_*` extensions. Out of range is clamped, NaN
+    /// counts as the lower end (for `ior` as 1.5, for `attenuation_distance` as infinite).
+    pub struct GltfParams {
+        /// Diffuse colour of a dielectric, tint of what it transmits, F0 of a metal; lanes 0..1.
+        base_color: Spectrum = Spectrum::ONE, 0.0..1.0;
+        /// 0 dielectric .. 1 metal.
+        metallic: f32 = 0.0, 0.0..1.0;
+        /// Perceptual roughness, 0..1; α = roughness².
+        roughness: f32 = 1.0, 0.0..1.0;
+        /// Index of refraction, ≥ 1; 0 means infinite: reflects everything at each angle.
+        ior: f32 = 1.5, 1.0..4.0;
+        /// Strength of the dielectric's reflection, 0..1.
+        specular: f32 = 1.0, 0.0..1.0;
+        /// Tint of the dielectric's F0; lanes ≥ 0, may exceed 1.
+        specular_color: Spectrum = Spectrum::ONE, 0.0..1.0;
+        /// Coverage by a layer of lacquer of index 1.5, 0..1.
+        clearcoat: f32 = 0.0, 0.0..1.0;
+        /// Perceptual roughness of the lacquer, 0..1.
+        clearcoat_roughness: f32 = 0.0, 0.0..1.0;
+        /// The lacquer's normal in the local frame, whose +Z is the base's normal; need not be unit.
+        clearcoat_normal: Vec3A = Vec3A::Z, -1.0..1.0;
+        /// Colour and strength of the fuzz; lanes 0..1, black for none.
+        sheen_color: Spectrum = Spectrum::ZERO, 0.0..1.0;
+        /// Perceptual roughness of the fuzz, 0..1.
+        sheen_roughness: f32 = 0.0, 0.0..1.0;
+        /// Part of the light that enters a dielectric and is let through instead of being scattered diffusely, 0..1.
+        transmission: f32 = 0.0, 0.0..1.0;
+        /// Thickness of the volume behind the surface. Only its sign matters: 0 is a thin sheet, above 0 the boundary of a
+        /// volume, which refracts.
+        thickness: f32 = 0.0, 0.0..1.0;
+        /// What white light becomes in the volume after `attenuation_distance`; lanes 0..1.
+        attenuation_color: Spectrum = Spectrum::ONE, 0.0..1.0;
+        /// Metres, > 0; infinite for a clear volume.
+        attenuation_distance: f32 = f32::INFINITY, 0.0..10.0;
+        /// Coverage by a thin film, 0..1.
+        iridescence: f32 = 0.0, 0.0..1.0;
+        /// Index of refraction of the film, ≥ 1.
+        iridescence_ior: f32 = 1.3, 1.0..3.0;
+        /// Thickness of the film, nanometres.
+        iridescence_thickness: f32 = 400.0, 0.0..1200.0;
+        /// How much longer highlights are along local x, 0..1: αx = mix(α, 1, strength²), αy = α.
+        anisotropy_strength: f32 = 0.0, 0.0..1.0;
+        /// 20 over the Abbe number of the volume, ≥ 0; 0 for none.
+        dispersion: f32 = 0.0, 0.0..1.0;
+        /// Part of the diffuse light that comes out on the far side, 0..1.
+        diffuse_transmission: f32 = 0.0, 0.0..1.0;
+        /// Colour of the light that is diffusely transmitted; lanes 0..1.
+        diffuse_transmission_color: Spectrum = Spectrum::ONE, 0.0..1.0;
+    }
+}
+
+impl GltfParams {
+    /// A surface of the older workflow, `KHR_materials_pbrSpecularGlossiness`: diffuse colour and F0, lanes 0..1, and
+    /// glossiness = 1 − roughness.
+    ///
+    /// It is the dielectric of infinite index that `KHR_materials_specular` (section "Specular-glossiness materials")
+    /// translates it to: `ior` 0 lets `specular_color` be F0 itself. The older extension darkens the diffuse colour by
+    /// 1 − max F0; here Fresnel's term does that once, as in that translation.
+    pub fn specular_glossiness(diffuse: Spectrum, specular: Spectrum, glossiness: f32) -> Self {
+        let glossiness = glossiness.max(0.0).min(1.0);
+        Self {
+            base_color: diffuse,
+            metallic: 0.0,
+            roughness: 1.0 - glossiness,
+            ior: 0.0,
+            specular_color: specular,
+            ..Self::default()
+        }
+    }
+
+    /// The part of these parameters that plain metallic-roughness surfaces have.
+    pub fn metal_rough(&self) -> MetalRoughParams {
+        MetalRoughParams {
+            base_color: self.base_color,
+            metallic: self.metallic,
+            roughness: self.roughness,
+            ior: self.ior,
+            specular: self.specular,
+            specular_color: self.specular_color,
+        }
+    }
+
+    /// True if some extension beyond `KHR_materials_ior` and `KHR_materials_specular` changes how the surface scatters;
+    /// otherwise [`crate::MetalRough`] is the same surface and faster.
+    pub fn has_extensions(&self) -> bool {
+        self.clearcoat > 0.0
+            || self.sheen_color.max_element() > 0.0
+            || self.transmission > 0.0
+            || self.iridescence > 0.0
+            || self.anisotropy_strength > 0.0
+            || self.diffuse_transmission > 0.0
+    }
+}
+
+impl From<MetalRoughParams> for GltfParams {
+    fn from(p: MetalRoughParams) -> Self {
+        Self {
+            base_color: p.base_color,
+            metallic: p.metallic,
+            roughness: p.roughness,
+            ior: p.ior,
+            specular: p.specular,
+            specular_color: p.specular_color,
+            ..Self::default()
+        }
+    }
+}
