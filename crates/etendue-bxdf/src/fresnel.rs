@@ -77,6 +77,33 @@ pub fn ior_from_f0(f0: f32) -> f32 {
     (1.0 + r) / (1.0 - r)
 }
 
+/// Schlick's curve for light from everywhere on a rough surface, where no half vector is known: F0 + (max(1 − r, F0) −
+/// F0)(1 − cos θ)⁵ (Lagarde 2011, "Adopting a physically based shading model").
+///
+/// `cos` is the cosine of the view to the *surface's* normal, clamped to 0..1; `roughness` is perceptual, 0..1. An
+/// approximation for image-based light: the edge of a rough surface must not shine as a smooth one's.
+#[inline(always)]
+pub fn schlick_rough(cos: f32, f0: Spectrum, roughness: f32) -> Spectrum {
+    let smooth = Spectrum::splat(1.0 - roughness.max(0.0).min(1.0));
+    f0.lerp(smooth.max(f0), schlick_weight(cos.max(0.0)))
+}
+
+/// The speed of light in vacuum, m/s (exact by the definition of the metre).
+pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;
+
+/// The speed at which a wave's crests travel through a medium of index `ior` > 0: c / n, in m/s.
+#[inline]
+pub fn phase_velocity(ior: f64) -> f64 {
+    SPEED_OF_LIGHT / ior
+}
+
+/// The wavelength in a medium of index `ior` > 0 of light whose wavelength in vacuum is `vacuum`: λ / n, in its unit. (The
+/// frequency, and with it the colour, stays.)
+#[inline]
+pub fn wavelength_in(vacuum: f64, ior: f64) -> f64 {
+    vacuum / ior
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -126,5 +153,23 @@ mod tests {
         }
         assert_eq!(s.eval(0.0).0[0], 1.0);
         assert!((s.eval(1.0).0[0] - 0.04).abs() < 1e-7);
+    }
+
+    #[test]
+    fn rough_schlick_has_its_ends() {
+        let f0 = Spectrum([0.04, 0.5, 0.9, 1.0]);
+        // Smooth: Schlick; fully rough: F0 alone; between, the edge is the larger of 1 − r and F0.
+        assert_eq!(schlick_rough(0.3, f0, 0.0), Schlick { f0, f90: Spectrum::ONE }.eval(0.3));
+        assert_eq!(schlick_rough(0.0, f0, 1.0), f0);
+        assert_eq!(schlick_rough(0.0, f0, 0.25), Spectrum([0.75, 0.75, 0.9, 1.0]));
+        assert!(schlick_rough(f32::NAN, f0, f32::NAN).is_finite());
+    }
+
+    #[test]
+    fn waves_slow_down_in_glass() {
+        assert!((phase_velocity(1.5) - 1.998_616_4e8).abs() < 1e2);
+        // Wavelength times frequency is the velocity.
+        let frequency = SPEED_OF_LIGHT / 589.3e-9;
+        assert!((wavelength_in(589.3e-9, 1.5) * frequency - phase_velocity(1.5)).abs() < 1e-3);
     }
 }

@@ -8,6 +8,9 @@
 //! |---|---|
 //! | [`bsdf`] | the contract: what `eval`, `pdf`, `sample`, `albedo` return, in which measure |
 //! | [`fresnel`] | how much an interface reflects: Schlick, exact dielectric, ior ↔ F0 |
+//! | [`conductor`] | metals: the exact reflectance of a complex index, unpolarised and as amplitudes |
+//! | [`f82`] | metals by two colours, at normal incidence and at 82° |
+//! | [`fresnel_term`] | any of these as a type parameter; mean reflectance of a dielectric |
 //! | [`ggx`] | the Trowbridge-Reitz microfacet lobe, isotropic and anisotropic |
 //! | [`diffuse`] | Lambert |
 //! | [`energy`] | the GGX lobe's albedo as a table |
@@ -44,9 +47,12 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord, clippy::manual_clamp)]
 
 pub mod bsdf;
+pub mod conductor;
 pub mod diffuse;
 pub mod energy;
+pub mod f82;
 pub mod fresnel;
+pub mod fresnel_term;
 pub mod ggx;
 pub mod gltf;
 pub mod laws;
@@ -57,8 +63,11 @@ pub mod quadrature;
 pub mod sampling;
 
 pub use bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS};
+pub use conductor::Conductor;
 pub use diffuse::Lambert;
+pub use f82::F82Tint;
 pub use fresnel::Schlick;
+pub use fresnel_term::{Dielectric, Fresnel};
 pub use ggx::{Ggx, GgxReflection};
 pub use gltf::GltfParams;
 pub use metal_rough::{Coupling, MetalRough, MetalRoughParams};
