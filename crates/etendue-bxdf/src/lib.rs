@@ -7,6 +7,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`bsdf`] | the contract: what `eval`, `pdf`, `sample`, `albedo` return, in which measure |
+//! | [`bssrdf`] | light that leaves a surface elsewhere than it entered: normalized diffusion, probes |
 //! | [`fresnel`] | how much an interface reflects: Schlick, exact dielectric, ior ↔ F0 |
 //! | [`conductor`] | metals: the exact reflectance of a complex index, unpolarised and as amplitudes |
 //! | [`f82`] | metals by two colours, at normal incidence and at 82° |
@@ -47,6 +48,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord, clippy::manual_clamp)]
 
 pub mod bsdf;
+pub mod bssrdf;
 pub mod conductor;
 pub mod diffuse;
 pub mod energy;
