@@ -18,6 +18,7 @@
 //! | [`metal_rough`] | glTF 2.0 Appendix B with `KHR_materials_ior` and `KHR_materials_specular` |
 //! | [`gltf`] | the glTF surface with the Khronos material extensions |
 //! | [`model`] | the whole models by name, with their parameters |
+//! | [`ior_table`] | measured metals and dielectrics by name |
 //! | [`math`] | elementary functions with the same bits on each platform |
 //! | [`sampling`] | disks, hemispheres, cones, triangles, frames, MIS weights |
 //! | [`quadrature`] | integrals over directions: albedo, total density |
@@ -57,6 +58,8 @@ pub mod fresnel;
 pub mod fresnel_term;
 pub mod ggx;
 pub mod gltf;
+mod ior_metals;
+pub mod ior_table;
 pub mod laws;
 pub mod math;
 pub mod metal_rough;
