@@ -12,6 +12,7 @@
 //! | [`conductor`] | metals: the exact reflectance of a complex index, unpolarised and as amplitudes |
 //! | [`f82`] | metals by two colours, at normal incidence and at 82° |
 //! | [`fresnel_term`] | any of these as a type parameter; mean reflectance of a dielectric |
+//! | [`fresnel_average`] | any Fresnel term averaged over the microfacets that a GGX lobe shows |
 //! | [`ggx`] | the Trowbridge-Reitz microfacet lobe, isotropic and anisotropic |
 //! | [`diffuse`] | Lambert |
 //! | [`energy`] | the GGX lobe's albedo as a table |
@@ -55,6 +56,7 @@ pub mod diffuse;
 pub mod energy;
 pub mod f82;
 pub mod fresnel;
+pub mod fresnel_average;
 pub mod fresnel_term;
 pub mod ggx;
 pub mod gltf;
