@@ -11,7 +11,7 @@ fn main() {
     let level = sidak(0.01, subjects.len() * grid::ANGLES.len());
     let mut seed = 0;
     for s in &subjects {
-        let (asymmetry, _) = reciprocity::reciprocity(&*s.bsdf, 20_000, 1);
+        let asymmetry = reciprocity::reciprocity(&*s.bsdf, 20_000, 1).error;
         for angle in grid::ANGLES {
             seed += 3;
             let wo = grid::wo_at(angle);

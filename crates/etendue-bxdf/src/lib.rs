@@ -22,7 +22,8 @@
 //! | [`ior_table`] | measured metals and dielectrics by name |
 //! | [`math`] | elementary functions with the same bits on each platform |
 //! | [`sampling`] | disks, hemispheres, cones, triangles, frames, MIS weights |
-//! | [`quadrature`] | integrals over directions: albedo, total density |
+//! | [`quadrature`] | integrals over directions on both sides of a surface: maps, panels, total density |
+//! | [`reflectance`] | the reflectances of Nicodemus 1977, reflection and transmission apart |
 //! | [`laws`] | χ², furnace, reciprocity, as code to run on any closure |
 //!
 //! # Example
@@ -67,6 +68,7 @@ pub mod math;
 pub mod metal_rough;
 pub mod model;
 pub mod quadrature;
+pub mod reflectance;
 pub mod sampling;
 
 pub use bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS};

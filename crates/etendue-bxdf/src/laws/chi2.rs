@@ -1,12 +1,13 @@
 //! `sample` draws from `pdf`: Pearson's χ² test of drawn directions against the integrated density.
 //!
-//! Bins lie in the stretched half-vector coordinates of [`HalfVectorMap`], so that they fit a lobe of any width. The
-//! expected counts are quadrature of `pdf`; perfectly specular directions and rejected samples are bins of their own.
+//! Bins lie in the coordinates of [`HemisphereMap`], stretched half vectors or their like for refraction, so that they
+//! fit a lobe of any width; those of the far side are there if [`Bsdf::refraction`] says that light passes. The expected
+//! counts are quadrature of `pdf`; perfectly specular directions and rejected samples are bins of their own.
 
 use super::{Rng, gamma::chi2_p_value};
 use crate::{
     bsdf::Bsdf,
-    quadrature::{HalfVectorMap, gauss_legendre},
+    quadrature::{HemisphereMap, gauss_legendre},
 };
 use core::f64::consts::{FRAC_PI_2, TAU};
 use glam::Vec3A;
@@ -20,7 +21,7 @@ pub struct Chi2 {
     pub dof: usize,
     /// Probability of a statistic at least as large if `sample` draws from `pdf`.
     pub p: f64,
-    /// ∫ pdf over the hemisphere as summed over the bins.
+    /// ∫ pdf over all directions as summed over the bins.
     pub pdf_integral: f64,
 }
 
@@ -36,12 +37,14 @@ const LEAST_EXPECTED: f64 = 5.0;
 /// Draws `samples` directions and tests them.
 pub fn chi2<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A, samples: usize, seed: u64) -> Chi2 {
     let alpha = bsdf.narrowest_alpha();
-    let map = HalfVectorMap::new(wo, alpha);
     let edges = s_edges(alpha);
     let rings = edges.len() - 1;
-    let cells = rings * PSI_BINS;
+    let sides = [Some(HemisphereMap::upper(bsdf, wo)), HemisphereMap::lower(bsdf, wo)];
+    let sides: Vec<HemisphereMap> = sides.into_iter().flatten().collect();
+    let cells = sides.len() * rings * PSI_BINS;
 
-    // Observed: the bins, then a bin for rejected samples, then one for each perfectly specular part.
+    // Observed: the bins of each side, then a bin for rejected samples, then one for each perfectly specular part. A
+    // direction through a surface that lets nothing pass is counted as rejected.
     let deltas = bsdf.deltas(wo);
     let mut observed = vec![0u64; cells + 3];
     let mut rng = Rng::new(seed);
@@ -56,10 +59,13 @@ pub fn chi2<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A, samples: usize, seed: u64) ->
             }
             Some(s) => {
                 let dithered = core::array::from_fn(|i| dither(s.wi[i], rng.uniform()));
-                let (r, psi) = map.coordinates_exact(dithered.into());
-                let ring = edges.partition_point(|&e| e <= r).clamp(1, rings) - 1;
-                let sector = ((psi / TAU * PSI_BINS as f64) as usize).min(PSI_BINS - 1);
-                ring * PSI_BINS + sector
+                let side = usize::from(s.wi.z < 0.0);
+                sides.get(side).map_or(cells, |map| {
+                    let (r, psi) = map.coordinates_exact(dithered.into());
+                    let ring = edges.partition_point(|&e| e <= r).clamp(1, rings) - 1;
+                    let sector = ((psi / TAU * PSI_BINS as f64) as usize).min(PSI_BINS - 1);
+                    (side * rings + ring) * PSI_BINS + sector
+                })
             }
         };
         observed[bin] += 1;
@@ -68,14 +74,18 @@ pub fn chi2<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A, samples: usize, seed: u64) ->
     let nodes = gauss_legendre(6);
     let n = samples as f64;
     let mut expected = Vec::with_capacity(cells + 3);
-    for ring in 0..rings {
-        for sector in 0..PSI_BINS {
-            let psi = |i: usize| i as f64 / PSI_BINS as f64 * TAU;
-            let mass =
-                map.integrate((edges[ring], edges[ring + 1]), (psi(sector), psi(sector + 1)), &nodes, |wi| {
-                    [bsdf.pdf(wo, wi), 0.0, 0.0, 0.0]
-                });
-            expected.push(n * mass[0]);
+    for map in &sides {
+        for ring in 0..rings {
+            for sector in 0..PSI_BINS {
+                let psi = |i: usize| i as f64 / PSI_BINS as f64 * TAU;
+                let mass = map.integrate(
+                    (edges[ring], edges[ring + 1]),
+                    (psi(sector), psi(sector + 1)),
+                    &nodes,
+                    |wi| [bsdf.pdf(wo, wi), 0.0, 0.0, 0.0],
+                );
+                expected.push(n * mass[0]);
+            }
         }
     }
     let pdf_integral = expected.iter().sum::<f64>() / n;

@@ -1,4 +1,11 @@
-//! The white furnace: under a sky of radiance 1 a surface must not look brighter than the sky.
+//! The white furnace: under even light from both sides a surface must not give back more than arrives.
+//!
+//! This is a law of energy, and radiance is not energy: light that enters a medium of relative index η is compressed
+//! into a narrower cone and has η² times the radiance there, so a window to a denser world looks brighter than the
+//! window of the dense world to a thin one. The closure must therefore be made for
+//! [`crate::model::Transport::Importance`], in which what passes is counted as power: a lossless interface gives back
+//! exactly 1 from either side. (In radiance mode its transmitted part is 1/η² of that.) Where both sides have the same
+//! index, or nothing passes, the two modes are the same.
 
 use super::Rng;
 use crate::{bsdf::Bsdf, quadrature::directional_albedo};
@@ -8,7 +15,7 @@ use glam::Vec3A;
 /// What the furnace showed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Furnace {
-    /// Directional albedo by quadrature.
+    /// Directional albedo, reflection and transmission, by quadrature.
     pub albedo: Spectrum,
     /// Directional albedo as the mean weight of samples.
     pub sampled: Spectrum,

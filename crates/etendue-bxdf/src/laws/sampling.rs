@@ -17,7 +17,7 @@ pub struct Samples {
     pub length_error: f64,
     /// Largest lane of a weight.
     pub largest_weight: f64,
-    /// True if anything was not finite, negative, or below the horizon.
+    /// True if anything was not finite or negative, or lay on a side to which the surface lets nothing pass.
     pub broken: bool,
     /// Part of the samples that are neither `None` nor perfectly specular.
     pub continuous: f64,
@@ -32,10 +32,11 @@ pub fn samples<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A, samples: usize, seed: u64)
     let mut out = Samples::default();
     let mut rng = Rng::new(seed);
     let mut continuous = 0usize;
+    let passes = bsdf.refraction().is_some();
     for _ in 0..samples {
         let Some(s) = bsdf.sample(wo, rng.uniform(), rng.square()) else { continue };
         out.broken |= !s.weight.is_finite() || s.weight.0.iter().any(|&v| v < 0.0) || !(s.pdf > 0.0);
-        out.broken |= !s.pdf.is_finite() || !(s.wi.z > 0.0);
+        out.broken |= !s.pdf.is_finite() || !(s.wi.z > 0.0 || (passes && s.wi.z < 0.0));
         out.length_error = out.length_error.max((s.wi.as_dvec3().length() - 1.0).abs());
         out.largest_weight = out.largest_weight.max(s.weight.max_element() as f64);
         let split = s.weight - (s.weight_diffuse + s.weight_specular);
@@ -48,7 +49,8 @@ pub fn samples<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A, samples: usize, seed: u64)
         out.pdf_error = out.pdf_error.max(relative(s.pdf, e.pdf));
         let value = e.value();
         for lane in 0..4 {
-            out.weight_error = out.weight_error.max(relative(s.weight[lane], value[lane] * s.wi.z / e.pdf));
+            out.weight_error =
+                out.weight_error.max(relative(s.weight[lane], value[lane] * s.wi.z.abs() / e.pdf));
         }
     }
     let n = samples.max(1) as f64;

@@ -32,7 +32,7 @@ pub enum Claim {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Claims {
     /// f(wo, wi) = f(wi, wo) for reflection; for transmission the same after division by the squared index of the side
-    /// that the light comes from.
+    /// that the light goes to ([`crate::laws::reciprocity`]).
     pub reciprocal: Claim,
     /// Never returns more than comes in (albedo ≤ 1 + 0.001).
     pub conserves: Claim,

@@ -1,48 +1,8 @@
-//! Integrals over directions, by Gauss-Legendre panels placed where a reflecting lobe needs them.
-//!
-//! A tight lobe is a spike of unknown place in the space of `wi`, but a known bump in the space of half vectors: for a
-//! GGX lobe the slopes of the half vector, divided by α, have the same fixed distribution for each α and `wo`. So
-//! everything is integrated over the polar coordinates (s, ψ) of those stretched slopes:
-//!
-//! ```text
-//! m ∝ (αx s cos ψ, αy s sin ψ, 1),   wi = 2 (wo·m) m − wo,   dωi = 4 (wo·m) · cos³θm · αx αy s ds dψ
-//! ```
-//!
-//! `wi` lies above the horizon exactly for s below a limit s*(ψ) with a closed form, so no integrand has a step in it.
-//! Everything here is in `f64`; only the scattering function itself is asked in `f32`.
+//! The upper hemisphere by stretched half vectors; see the module above.
 
-use crate::bsdf::Bsdf;
-use core::f64::consts::{FRAC_PI_2, PI, TAU};
-use etendue_color::Spectrum;
+use super::{for_panels, lobe_shape};
+use core::f64::consts::{FRAC_PI_2, TAU};
 use glam::{DVec3, Vec3A, dvec3};
-
-/// Nodes and weights of Gauss-Legendre quadrature on 0..1, exact for polynomials of degree 2n − 1.
-///
-/// The nodes are the roots of the Legendre polynomial Pₙ, by Newton's method from Tricomi's estimate; `n` is clamped to 1..=64.
-pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
-    let n = n.clamp(1, 64);
-    (0..n)
-        .map(|i| {
-            let mut x = ((i as f64 + 0.75) / (n as f64 + 0.5) * PI).cos();
-            let mut slope = 1.0;
-            for _ in 0..50 {
-                // Bonnet's recurrence gives Pₙ and Pₙ₋₁, and these the derivative.
-                let (mut p0, mut p1) = (1.0, x);
-                for k in 2..=n {
-                    let k = k as f64;
-                    (p0, p1) = (p1, ((2.0 * k - 1.0) * x * p1 - (k - 1.0) * p0) / k);
-                }
-                slope = n as f64 * (x * p1 - p0) / (x * x - 1.0);
-                let step = p1 / slope;
-                x -= step;
-                if step.abs() < 1e-16 {
-                    break;
-                }
-            }
-            (0.5 * (1.0 - x), 1.0 / ((1.0 - x * x) * slope * slope))
-        })
-        .collect()
-}
 
 /// The map between reflected directions and stretched half-vector slopes, for one `wo`.
 #[derive(Clone, Copy, Debug)]
@@ -132,7 +92,7 @@ impl HalfVectorMap {
     }
 
     /// Integral over the rectangle `s` × `psi` of `f(wi)` dωi, as far as it lies above the horizon; `nodes` from
-    /// [`gauss_legendre`]. Four independent lanes.
+    /// [`super::gauss_legendre`]. Four independent lanes.
     pub fn integrate(
         &self,
         s: (f64, f64),
@@ -169,81 +129,13 @@ impl HalfVectorMap {
     }
 }
 
-/// GGX over stretched slopes, up to a constant: (1 + s²)⁻².
-fn lobe_shape(s: f64) -> f64 {
-    let q = 1.0 / (1.0 + s * s);
-    q * q
-}
-
-/// Calls `f` for each interval between neighbouring `breaks`, cut to `range`.
-fn for_panels(breaks: &[f64], range: (f64, f64), mut f: impl FnMut(f64, f64)) {
-    for w in breaks.windows(2) {
-        let (a, b) = (w[0].max(range.0), w[1].min(range.1));
-        if a < b {
-            f(a, b);
-        }
-    }
-}
-
-/// Order of the panels of [`directional_albedo`] and its kin: from 4 to 24 the albedo of isotropic GGX lobes changes by 1e-6, and
-/// strongly anisotropic ones are right to 1e-5.
-const ORDER: usize = 6;
-
-/// Directional-hemispherical reflectance: ∫ f(wo, wi) cos θi dωi over the upper hemisphere, plus the perfectly
-/// specular parts. This is what a surface returns under a sky of radiance 1.
-///
-/// Takes some milliseconds. Zero for `wo` below the surface.
-pub fn directional_albedo<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A) -> Spectrum {
-    if !(wo.z > 0.0) {
-        return Spectrum::ZERO;
-    }
-    let nodes = gauss_legendre(ORDER);
-    let sum = HalfVectorMap::new(wo, bsdf.narrowest_alpha())
-        .integrate_all(&nodes, |wi| (bsdf.eval(wo, wi) * wi.z.max(0.0)).0);
-    let continuous = Spectrum(sum.map(|v| v as f32));
-    bsdf.deltas(wo).into_iter().flatten().filter(|d| d.wi.z > 0.0).fold(continuous, |a, d| a + d.reflectance)
-}
-
-/// ∫ pdf(wo, wi) dωi over the upper hemisphere: one minus the probability that `sample` returns nothing or a perfectly
-/// specular direction.
-pub fn pdf_integral<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A) -> f64 {
-    if !(wo.z > 0.0) {
-        return 0.0;
-    }
-    let nodes = gauss_legendre(ORDER);
-    HalfVectorMap::new(wo, bsdf.narrowest_alpha())
-        .integrate_all(&nodes, |wi| [bsdf.pdf(wo, wi), 0.0, 0.0, 0.0])[0]
-}
-
-/// Average albedo: ∫ directional_albedo(µ) 2µ dµ, for an isotropic scattering function: the part of an evenly lit
-/// surface's light that it scatters.
-pub fn average_albedo<B: Bsdf + ?Sized>(bsdf: &B) -> Spectrum {
-    gauss_legendre(16)
-        .into_iter()
-        .map(|(mu, w)| {
-            let wo = Vec3A::new((1.0 - mu * mu).sqrt() as f32, 0.0, mu as f32);
-            directional_albedo(bsdf, wo) * (2.0 * mu * w) as f32
-        })
-        .fold(Spectrum::ZERO, |a, b| a + b)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
-
-    #[test]
-    fn gauss_legendre_integrates_polynomials() {
-        for n in [1, 2, 5, 8, 16, 64] {
-            let nodes = gauss_legendre(n);
-            for degree in 0..(2 * n).min(40) {
-                let got: f64 = nodes.iter().map(|(x, w)| w * x.powi(degree as i32)).sum();
-                assert!(
-                    (got - 1.0 / (degree as f64 + 1.0)).abs() < 1e-13,
-                    "{n} nodes, degree {degree}: {got}"
-                );
-            }
-        }
-    }
+    use super::{
+        super::{ORDER, gauss_legendre},
+        *,
+    };
+    use core::f64::consts::PI;
 
     #[test]
     fn the_map_covers_the_hemisphere_once() {
