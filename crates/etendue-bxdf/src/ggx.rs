@@ -76,9 +76,18 @@ impl Ggx {
         self.norm / (q * q)
     }
 
+    /// D(h / |h|), per steradian, for any `h` ≠ 0, also one that points down: keeps the digits of a half vector that
+    /// was never normalised.
+    #[inline(always)]
+    pub fn d_along(&self, h: Vec3A) -> f32 {
+        let (x, y) = (h.x * self.inv_ax, h.y * self.inv_ay);
+        let r = h.length_squared() / (x * x + y * y + h.z * h.z);
+        self.norm * (r * r)
+    }
+
     /// t(w) of the module's head.
     #[inline(always)]
-    fn stretched_length(&self, w: Vec3A) -> f32 {
+    pub fn stretched_length(&self, w: Vec3A) -> f32 {
         let (x, y) = (self.ax * w.x, self.ay * w.y);
         (x * x + y * y + w.z * w.z).sqrt()
     }

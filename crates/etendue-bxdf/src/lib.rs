@@ -15,6 +15,7 @@
 //! | [`fresnel_average`] | any Fresnel term averaged over the microfacets that a GGX lobe shows |
 //! | [`ggx`] | the Trowbridge-Reitz microfacet lobe, isotropic and anisotropic |
 //! | [`diffuse`] | Lambert |
+//! | [`dielectric`] | glass and thin sheets: light that is reflected and refracted, smooth and rough |
 //! | [`energy`] | the GGX lobe's albedo as a table |
 //! | [`metal_rough`] | glTF 2.0 Appendix B with `KHR_materials_ior` and `KHR_materials_specular` |
 //! | [`gltf`] | the glTF surface with the Khronos material extensions |
@@ -53,6 +54,7 @@
 pub mod bsdf;
 pub mod bssrdf;
 pub mod conductor;
+pub mod dielectric;
 pub mod diffuse;
 pub mod energy;
 pub mod f82;
@@ -73,6 +75,7 @@ pub mod sampling;
 
 pub use bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS};
 pub use conductor::Conductor;
+pub use dielectric::{GgxDielectric, ThinGgx};
 pub use diffuse::Lambert;
 pub use f82::F82Tint;
 pub use fresnel::Schlick;
