@@ -25,6 +25,8 @@
 //! | [`sampling`] | disks, hemispheres, cones, triangles, frames, MIS weights |
 //! | [`quadrature`] | integrals over directions on both sides of a surface: maps, panels, total density |
 //! | [`reflectance`] | the reflectances of Nicodemus 1977, reflection and transmission apart |
+//! | [`thin_film`] | colours of films: Airy's sum, and its mean over three colours |
+//! | [`quadrature`] | integrals over directions: albedo, total density |
 //! | [`laws`] | χ², furnace, reciprocity, as code to run on any closure |
 //!
 //! # Example
@@ -72,6 +74,7 @@ pub mod model;
 pub mod quadrature;
 pub mod reflectance;
 pub mod sampling;
+pub mod thin_film;
 
 pub use bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS};
 pub use conductor::Conductor;
