@@ -3,22 +3,59 @@
 use crate::error::Fault;
 use crate::warning::Warnings;
 
+pub(crate) const ANISOTROPY: &str = "KHR_materials_anisotropy";
+pub(crate) const CLEARCOAT: &str = "KHR_materials_clearcoat";
+pub(crate) const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
+pub(crate) const DISPERSION: &str = "KHR_materials_dispersion";
 pub(crate) const DRACO: &str = "KHR_draco_mesh_compression";
 pub(crate) const EMISSIVE_STRENGTH: &str = "KHR_materials_emissive_strength";
 pub(crate) const GPU_INSTANCING: &str = "EXT_mesh_gpu_instancing";
 pub(crate) const IOR: &str = "KHR_materials_ior";
+pub(crate) const IRIDESCENCE: &str = "KHR_materials_iridescence";
 pub(crate) const LIGHTS_PUNCTUAL: &str = "KHR_lights_punctual";
 pub(crate) const MESH_QUANTIZATION: &str = "KHR_mesh_quantization";
+pub(crate) const SHEEN: &str = "KHR_materials_sheen";
 pub(crate) const SPECULAR: &str = "KHR_materials_specular";
+pub(crate) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 pub(crate) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 pub(crate) const TEXTURE_WEBP: &str = "EXT_texture_webp";
+pub(crate) const TRANSMISSION: &str = "KHR_materials_transmission";
 pub(crate) const UNLIT: &str = "KHR_materials_unlit";
+pub(crate) const VARIANTS: &str = "KHR_materials_variants";
+pub(crate) const VOLUME: &str = "KHR_materials_volume";
 
 /// Extensions that may stand on an object of the kind and need no warning there.
 pub(crate) const ON_ACCESSOR: [&str; 0] = [];
+pub(crate) const ON_ROOT: [&str; 2] = [LIGHTS_PUNCTUAL, VARIANTS];
 /// Draco's own errors are more precise than a warning.
-pub(crate) const ON_PRIMITIVE: [&str; 1] = [DRACO];
-pub(crate) const ON_MATERIAL: [&str; 4] = [UNLIT, EMISSIVE_STRENGTH, IOR, SPECULAR];
+pub(crate) const ON_PRIMITIVE: [&str; 2] = [DRACO, VARIANTS];
+pub(crate) const ON_MATERIAL: [&str; 13] = [
+    UNLIT,
+    EMISSIVE_STRENGTH,
+    IOR,
+    SPECULAR,
+    ANISOTROPY,
+    CLEARCOAT,
+    DIFFUSE_TRANSMISSION,
+    DISPERSION,
+    IRIDESCENCE,
+    SHEEN,
+    SPECULAR_GLOSSINESS,
+    TRANSMISSION,
+    VOLUME,
+];
+/// Those that describe what `etendue_scene::Extensions` holds.
+pub(crate) const ON_SURFACE: [&str; 9] = [
+    ANISOTROPY,
+    CLEARCOAT,
+    DIFFUSE_TRANSMISSION,
+    DISPERSION,
+    IRIDESCENCE,
+    SHEEN,
+    SPECULAR_GLOSSINESS,
+    TRANSMISSION,
+    VOLUME,
+];
 pub(crate) const ON_NODE: [&str; 2] = [LIGHTS_PUNCTUAL, GPU_INSTANCING];
 
 /// How far an extension is supported.
@@ -37,25 +74,25 @@ pub enum Support {
 
 /// What is done about each extension; every one that is not listed is unknown.
 const TABLE: &[(&str, Support)] = &[
+    (ANISOTROPY, Support::Full),
+    (CLEARCOAT, Support::Full),
+    (DIFFUSE_TRANSMISSION, Support::Full),
+    (DISPERSION, Support::Full),
     (EMISSIVE_STRENGTH, Support::Full),
     (GPU_INSTANCING, Support::Full),
     (IOR, Support::Full),
+    (IRIDESCENCE, Support::Full),
     (LIGHTS_PUNCTUAL, Support::Full),
     (MESH_QUANTIZATION, Support::Full),
+    (SHEEN, Support::Full),
     (SPECULAR, Support::Full),
+    (SPECULAR_GLOSSINESS, Support::Full),
     (TEXTURE_TRANSFORM, Support::Full),
     (TEXTURE_WEBP, Support::Full),
+    (TRANSMISSION, Support::Full),
     (UNLIT, Support::Full),
-    ("KHR_materials_anisotropy", Support::Ignored),
-    ("KHR_materials_clearcoat", Support::Ignored),
-    ("KHR_materials_diffuse_transmission", Support::Ignored),
-    ("KHR_materials_dispersion", Support::Ignored),
-    ("KHR_materials_iridescence", Support::Ignored),
-    ("KHR_materials_pbrSpecularGlossiness", Support::Ignored),
-    ("KHR_materials_sheen", Support::Ignored),
-    ("KHR_materials_transmission", Support::Ignored),
-    ("KHR_materials_variants", Support::Ignored),
-    ("KHR_materials_volume", Support::Ignored),
+    (VARIANTS, Support::Full),
+    (VOLUME, Support::Full),
     ("KHR_animation_pointer", Support::Ignored),
     ("KHR_node_visibility", Support::Ignored),
     ("KHR_xmp", Support::Ignored),

@@ -22,7 +22,7 @@ pub(crate) struct MeshKey {
     pub color: Option<u32>,
     /// Accessors of the UV sets that the material uses, by number of the set.
     pub uvs: Vec<Option<u32>>,
-    /// What the material's normal texture needs tangents for, if it has one and the file has no tangents.
+    /// Along what tangents run, if the material needs some and the file has none.
     pub tangent_space: Option<TangentSpace>,
     /// Morph targets that have a weight, and the weight's bits.
     pub morph: Vec<(Target, u32)>,
@@ -155,7 +155,7 @@ impl Job {
             } else {
                 warnings.add(
                     &self.pointer,
-                    "has a normal texture but no texture coordinates for it; shown without the texture's normals",
+                    "its material needs tangents (for a normal texture or anisotropy), but there are no tangents and no texture coordinates to make them from; shown without",
                 );
             }
         }

@@ -28,7 +28,7 @@ pub struct ImportOptions {
     pub at: Option<f32>,
     /// Which animation `at` refers to.
     pub animation: AnimationChoice,
-    /// Whether occlusion textures are loaded. Light transport computes occlusion itself and can do without them.
+    /// Whether occlusion and thickness textures are loaded. Light transport computes both itself and can do without them.
     pub occlusion: bool,
     /// Bounds on memory.
     pub limits: Limits,
@@ -109,7 +109,7 @@ fn run(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptions)
         plan.node(i)?;
     }
     let joints = joint_matrices(&mut plan, &globals, accessors)?;
-    let Plan { jobs, instances, materials, textures, lights, mut cameras, mut warnings, .. } = plan;
+    let Plan { jobs, instances, materials, variants, textures, lights, mut cameras, mut warnings, .. } = plan;
 
     let (meshes, images) = rayon::join(
         || build_all(&jobs, &joints, accessors),
@@ -133,6 +133,7 @@ fn run(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptions)
         images: images.iter().map(|d| d.image.clone()).collect(),
         lights,
         cameras: cameras.into_iter().map(|(_, c)| c).collect(),
+        variants,
         ..Scene::default()
     };
     drop_empty_meshes(&mut scene);
@@ -177,7 +178,7 @@ fn build_all(
         .collect()
 }
 
-/// Removes meshes without triangles, and their instances.
+/// Removes meshes without triangles, and their instances; the variants follow.
 fn drop_empty_meshes(scene: &mut Scene) {
     if scene.meshes.iter().all(|m| !m.indices.is_empty()) {
         return;
@@ -189,11 +190,22 @@ fn drop_empty_meshes(scene: &mut Scene) {
         next += u32::from(!m.indices.is_empty());
     }
     scene.meshes.retain(|m| !m.indices.is_empty());
-    scene.instances.retain_mut(|i| match number[i.mesh as usize] {
-        Some(n) => {
-            i.mesh = n;
-            true
-        }
-        None => false,
+    let mut place = Vec::with_capacity(scene.instances.len());
+    let mut next = 0;
+    scene.instances.retain_mut(|i| {
+        let kept = number[i.mesh as usize];
+        place.push(kept.is_some().then_some(next));
+        next += u32::from(kept.is_some());
+        i.mesh = kept.unwrap_or(i.mesh);
+        kept.is_some()
     });
+    for v in &mut scene.variants {
+        v.materials.retain_mut(|[instance, _]| match place[*instance as usize] {
+            Some(n) => {
+                *instance = n;
+                true
+            }
+            None => false,
+        });
+    }
 }

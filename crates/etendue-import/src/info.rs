@@ -30,6 +30,8 @@ pub struct Info {
     pub scene: Option<String>,
     /// How many of each there are.
     pub counts: Counts,
+    /// Names of its material variants.
+    pub variants: Vec<String>,
     /// The extensions that the file names.
     pub extensions: Vec<ExtensionInfo>,
     /// Its meshes.
@@ -201,6 +203,7 @@ impl Info {
                 .get(doc.scene.unwrap_or(0) as usize)
                 .map(|s| s.name.to_owned())
                 .filter(|n| !n.is_empty()),
+            variants: doc.variants.iter().map(|&n| n.to_owned()).collect(),
             extensions: extensions(doc),
             meshes: doc.meshes.iter().map(|m| mesh(doc, m)).collect(),
             materials: doc.materials.iter().map(material).collect(),
@@ -337,8 +340,17 @@ fn material(m: &crate::document::Material<'_>) -> MaterialInfo {
         alpha_mode: m.alpha_mode.unwrap_or("OPAQUE").to_owned(),
         double_sided: m.double_sided,
         unlit: m.unlit,
-        factors: factors.into_iter().filter_map(|(k, v)| Some((k, v?))).collect(),
-        textures: textures.into_iter().filter_map(|(k, t)| Some((k, t?.index))).collect(),
+        factors: factors
+            .into_iter()
+            .filter_map(|(k, v)| Some((k, v?)))
+            .chain(m.surface.iter().flat_map(|s| s.factors()))
+            .collect(),
+        textures: textures
+            .into_iter()
+            .filter_map(|(k, t)| Some((k, t?)))
+            .chain(m.surface.iter().flat_map(|s| s.textures()))
+            .map(|(k, t)| (k, t.index))
+            .collect(),
     }
 }
 

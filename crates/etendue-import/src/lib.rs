@@ -47,6 +47,7 @@ mod place;
 mod plan;
 mod skin;
 mod source;
+mod surface;
 mod tangents;
 mod texture;
 mod topology;

@@ -12,9 +12,9 @@ use crate::place;
 use crate::skin::narrow;
 use crate::texture::Textures;
 use crate::warning::Warnings;
-use etendue_scene::{Camera, Instance, Light, Material, TextureRef};
-use glam::{Affine3A, DAffine3, DVec3};
-use std::collections::HashMap;
+use etendue_scene::{Camera, Instance, Light, Material, TextureRef, Variant};
+use glam::{Affine2, Affine3A, DAffine3, DVec3};
+use std::collections::{BTreeSet, HashMap};
 
 /// More UV sets than any exporter writes.
 const MAX_UV_SETS: u32 = 16;
@@ -31,6 +31,7 @@ pub(crate) struct Plan<'a> {
     pub instances: Vec<Instance>,
     pub materials: Vec<Material>,
     by_material: HashMap<u32, u32>,
+    pub variants: Vec<Variant>,
     pub textures: Textures<'a>,
     pub lights: Vec<Light>,
     /// With the camera's number in the file.
@@ -58,6 +59,12 @@ impl<'a> Plan<'a> {
             instances: Vec::new(),
             materials: Vec::new(),
             by_material: HashMap::new(),
+            variants: accessors
+                .doc
+                .variants
+                .iter()
+                .map(|&n| Variant { name: n.to_owned(), materials: Vec::new() })
+                .collect(),
             textures: Textures::new(accessors.doc),
             lights: Vec::new(),
             cameras: Vec::new(),
@@ -101,16 +108,19 @@ impl<'a> Plan<'a> {
                 Some(m) => Some(self.material(m, || format!("{pointer}/material"))?),
                 None => None,
             };
+            let others = self.other_materials(p, &pointer)?;
             let name = if node.name.is_empty() { mesh.name } else { node.name };
             // Also what turns out to be nothing to see costs time.
             let at = || format!("/nodes/{i}");
-            let bytes = (size_of::<Instance>() + name.len()) as u64;
+            let bytes = (size_of::<Instance>() + name.len() + size_of_val(&others[..])) as u64;
             self.budget.instances(
                 placements.len() as u64,
-                bytes.saturating_mul(placements.len() as u64),
+                bytes.saturating_mul(placements.len().max(1) as u64),
                 at,
             )?;
-            let Some((job, skinned)) = self.job(i, node, mesh.name, p, pointer, material, weights)? else {
+            let Some((job, skinned)) =
+                self.job(i, node, mesh.name, p, pointer, material, &others, weights)?
+            else {
                 continue;
             };
             let here = [Affine3A::IDENTITY];
@@ -118,6 +128,10 @@ impl<'a> Plan<'a> {
             let placements = if skinned { &here[..] } else { &placements[..] };
             for &transform in placements {
                 if transform.is_finite() {
+                    let number = self.instances.len() as u32;
+                    for &(variant, material) in &others {
+                        self.variants[variant as usize].materials.push([number, material]);
+                    }
                     self.instances.push(Instance { name: name.to_owned(), mesh: job, material, transform });
                 } else {
                     self.warnings.add(at(), "the transform is not finite; left out");
@@ -182,6 +196,25 @@ impl<'a> Plan<'a> {
         Ok(number)
     }
 
+    /// The variants in which primitive `p` has a material of their own, each with the scene's number of it.
+    fn other_materials(&mut self, p: &Primitive<'_>, pointer: &str) -> Result<Vec<(u32, u32)>, Fault> {
+        let doc = self.accessors.doc;
+        let mut out = Vec::with_capacity(p.mappings.len());
+        for m in &p.mappings {
+            let at = || format!("{pointer}/extensions/KHR_materials_variants/mappings/{}", m.entry);
+            if m.variant as usize >= self.variants.len() {
+                self.warnings
+                    .add(format!("{}/variants", at()), "refers to a variant that does not exist; ignored");
+            } else if m.material as usize >= doc.materials.len() {
+                self.warnings
+                    .add(format!("{}/material", at()), "refers to a material that does not exist; ignored");
+            } else {
+                out.push((m.variant, self.material(m.material, at)?));
+            }
+        }
+        Ok(out)
+    }
+
     /// The job that builds primitive `p` on node `i`, and whether a skin carries it; `None` if there is nothing to see.
     fn job(
         &mut self,
@@ -191,6 +224,7 @@ impl<'a> Plan<'a> {
         p: &Primitive<'_>,
         pointer: String,
         material: Option<u32>,
+        others: &[(u32, u32)],
         weights: &[f64],
     ) -> Result<Option<(u32, bool)>, Fault> {
         if matches!(p.mode, Mode::Points | Mode::Lines) {
@@ -202,7 +236,7 @@ impl<'a> Plan<'a> {
             self.warnings.add(format!("{pointer}/attributes"), "no POSITION; nothing to show");
             return Ok(None);
         };
-        let (uvs, tangent_space, wants_tangents) = self.texture_space(p, material);
+        let (uvs, tangent_space, wants_tangents) = self.texture_space(p, material, others, &pointer);
         let normal = p.attribute("NORMAL");
         let tangent = p.attribute("TANGENT").filter(|_| wants_tangents && normal.is_some());
         let skin = self.skin(i, node, p, &pointer)?;
@@ -244,30 +278,36 @@ impl<'a> Plan<'a> {
         Ok(Some((number, skinned)))
     }
 
-    /// The UV sets that a primitive needs for its material, and for which of them tangents have to be generated if the
-    /// file has none.
+    /// The UV sets that a primitive needs for its materials, for which texture coordinates tangents have to be generated
+    /// if the file has none, and whether any are needed. `others` are its materials in variants: one mesh serves all.
     fn texture_space(
         &mut self,
         p: &Primitive<'_>,
         material: Option<u32>,
+        others: &[(u32, u32)],
+        pointer: &str,
     ) -> (Vec<Option<u32>>, Option<TangentSpace>, bool) {
-        let material = material.map(|m| &self.materials[m as usize]);
-        let used = |t: &TextureRef| t.uv_set.min(MAX_UV_SETS - 1);
-        let highest = material.and_then(|m| m.textures().map(used).max()).unwrap_or(0);
+        // The same few materials may stand in many variants.
+        let mut numbers: Vec<u32> = others.iter().map(|&(_, m)| m).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        numbers.retain(|&m| Some(m) != material);
+        let numbers = material.into_iter().chain(numbers);
+        let materials: Vec<&Material> = numbers.map(|m| &self.materials[m as usize]).collect();
+
+        let sets: BTreeSet<u32> =
+            materials.iter().flat_map(|m| m.textures()).map(|t: &TextureRef| t.uv_set).collect();
+        let highest = sets.last().map_or(0, |&s| s.min(MAX_UV_SETS - 1));
         let mut uvs: Vec<Option<u32>> = (0..=highest)
             .map(|set| {
-                let wanted = set == 0 || material.is_some_and(|m| m.textures().any(|t| t.uv_set == set));
+                let wanted = set == 0 || sets.contains(&set);
                 if wanted { p.attribute(&format!("TEXCOORD_{set}")) } else { None }
             })
             .collect();
         while uvs.last() == Some(&None) {
             uvs.pop();
         }
-        let normal = material.and_then(|m| m.normal_texture);
-        let space = normal.map(|n| TangentSpace::new(n.texture.uv_set, &n.texture.transform));
-        let missing = material.and_then(|m| {
-            m.textures().map(|t| t.uv_set).find(|&s| uvs.get(s as usize).is_none_or(Option::is_none))
-        });
+        let missing = sets.iter().find(|&&s| uvs.get(s as usize).is_none_or(Option::is_none));
         if let Some(set) = missing {
             self.warnings.add(
                 // The place is the first of possibly many; the message is shared by them.
@@ -275,7 +315,16 @@ impl<'a> Plan<'a> {
                 format!("a material uses texture coordinate set {set} that its mesh does not have; looked up at 0, 0"),
             );
         }
-        (uvs, space, normal.is_some())
+        let mut spaces = materials.iter().filter_map(|m| tangent_space(m));
+        let space = spaces.next();
+        let has_own = p.attribute("TANGENT").is_some() && p.attribute("NORMAL").is_some();
+        if !has_own && spaces.any(|s| Some(s) != space) {
+            self.warnings.add(
+                pointer,
+                "materials of different variants need different tangents; they run along the first one's texture coordinates",
+            );
+        }
+        (uvs, space, space.is_some())
     }
 
     /// The targets of `p` with weights other than zero.
@@ -322,4 +371,18 @@ impl<'a> Plan<'a> {
         }
         Ok(Some(SkinKey { skin, influences }))
     }
+}
+
+/// Along what tangents have to run for a material; `None` if it needs none. Normal texture, coat's normal texture and
+/// anisotropy share one tangent space (glTF 2.0, 3.9.3; KHR_materials_clearcoat, KHR_materials_anisotropy): the first of
+/// them that is there determines it.
+fn tangent_space(m: &Material) -> Option<TangentSpace> {
+    let extensions = m.extensions.as_deref();
+    let coat = extensions.and_then(|e| e.clearcoat?.normal_texture);
+    let along = |t: TextureRef| TangentSpace::new(t.uv_set, &t.transform);
+    if let Some(n) = m.normal_texture.or(coat) {
+        return Some(along(n.texture));
+    }
+    let anisotropy = extensions?.anisotropy?;
+    Some(anisotropy.texture.map_or_else(|| TangentSpace::new(0, &Affine2::IDENTITY), along))
 }

@@ -1,4 +1,4 @@
-//! Tangents by MikkTSpace, where a normal map needs them and the file has none (glTF 2.0, 3.7.2.1).
+//! Tangents by MikkTSpace, where a normal map or anisotropy needs them and the file has none (glTF 2.0, 3.7.2.1).
 
 use crate::clean::face_normal;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};

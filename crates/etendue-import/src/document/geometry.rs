@@ -1,6 +1,6 @@
 //! `meshes`.
 
-use super::name;
+use super::{Mapping, name, variants};
 use crate::error::Fault;
 use crate::extensions;
 use crate::json::Reader;
@@ -47,6 +47,8 @@ pub(crate) struct Primitive<'v> {
     pub indices: Option<u32>,
     pub material: Option<u32>,
     pub targets: Vec<Target>,
+    /// Other materials, by variant (`KHR_materials_variants`).
+    pub mappings: Vec<Mapping>,
     /// Whether the real data are compressed by `KHR_draco_mesh_compression` and the accessors are the fallback.
     pub draco: bool,
 }
@@ -73,6 +75,7 @@ impl<'v> Primitive<'v> {
                     tangent: r.opt(o, "TANGENT", Reader::index)?,
                 })
             })?,
+            mappings: variants::mappings(r, o)?,
             draco: r.extension(o, extensions::DRACO, |_, _| Ok(()))?.is_some(),
         })
     }

@@ -1,6 +1,6 @@
 //! `materials`, `textures`, `images`, `samplers`.
 
-use super::name;
+use super::{Surface, name};
 use crate::error::Fault;
 use crate::extensions as ext;
 use crate::json::{Object, Reader};
@@ -20,7 +20,7 @@ pub(crate) struct TextureInfo {
 }
 
 impl TextureInfo {
-    fn read<'v>(r: &mut Reader<'v>, v: &'v Value) -> Result<Self, Fault> {
+    pub fn read<'v>(r: &mut Reader<'v>, v: &'v Value) -> Result<Self, Fault> {
         let o = r.object(v)?;
         let mut t = Self {
             index: r.req(o, "index", Reader::index)?,
@@ -72,6 +72,8 @@ pub(crate) struct Material<'v> {
     pub unlit: bool,
     pub ior: Option<f64>,
     pub specular: Option<SpecularExt>,
+    /// What other extensions say of the surface.
+    pub surface: Option<Box<Surface>>,
 }
 
 impl<'v> Material<'v> {
@@ -108,12 +110,13 @@ impl<'v> Material<'v> {
                 color_texture: r.opt(o, "specularColorTexture", TextureInfo::read)?,
             })
         })?;
+        m.surface = Surface::read(r, o)?;
         Ok(m)
     }
 }
 
 /// A texture that carries a number beside it.
-fn with_factor<'v>(
+pub(super) fn with_factor<'v>(
     r: &mut Reader<'v>,
     o: &'v Object,
     key: &'static str,

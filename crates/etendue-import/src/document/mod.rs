@@ -10,6 +10,8 @@ mod geometry;
 mod material;
 mod motion;
 mod node;
+pub(crate) mod surface;
+mod variants;
 
 pub(crate) use asset::{Asset, Scene};
 pub(crate) use data::{Accessor, Buffer, BufferView, Component, Shape, Sparse};
@@ -17,6 +19,8 @@ pub(crate) use geometry::{Mesh, Mode, Primitive, Target};
 pub(crate) use material::{Image, Material, Sampler, Texture, TextureInfo};
 pub(crate) use motion::{Animation, Interpolation, Path, Skin};
 pub(crate) use node::{Camera, Light, LightShape, Local, Node, Projection};
+pub(crate) use surface::Surface;
+pub(crate) use variants::Mapping;
 
 use crate::error::Fault;
 use crate::extensions;
@@ -37,6 +41,8 @@ pub(crate) struct Document<'v> {
     pub samplers: Vec<Sampler>,
     pub cameras: Vec<Camera<'v>>,
     pub lights: Vec<Light<'v>>,
+    /// Names of `KHR_materials_variants`.
+    pub variants: Vec<&'v str>,
     pub skins: Vec<Skin>,
     pub animations: Vec<Animation<'v>>,
     pub accessors: Vec<Accessor>,
@@ -64,7 +70,8 @@ impl<'v> Document<'v> {
             });
         }
         let lights = r.extension(o, extensions::LIGHTS_PUNCTUAL, |r, o| r.list(o, "lights", Light::read))?;
-        r.other_extensions(o, &[extensions::LIGHTS_PUNCTUAL]);
+        let variants = variants::names(r, o)?;
+        r.other_extensions(o, &extensions::ON_ROOT);
         Ok(Self {
             asset,
             scene: r.opt(o, "scene", Reader::index)?,
@@ -77,6 +84,7 @@ impl<'v> Document<'v> {
             samplers: r.list(o, "samplers", Sampler::read)?,
             cameras: r.list(o, "cameras", Camera::read)?,
             lights: lights.unwrap_or_default(),
+            variants,
             skins: r.list(o, "skins", Skin::read)?,
             animations: r.list(o, "animations", Animation::read)?,
             accessors: r.list(o, "accessors", Accessor::read)?,
