@@ -19,6 +19,7 @@
 //! | [`energy`] | the GGX lobe's albedo as a table |
 //! | [`metal_rough`] | glTF 2.0 Appendix B with `KHR_materials_ior` and `KHR_materials_specular` |
 //! | [`gltf`] | the glTF surface with the Khronos material extensions |
+//! | [`hair`] | fibres of hair and fur |
 //! | [`model`] | the whole models by name, with their parameters |
 //! | [`ior_table`] | measured metals and dielectrics by name |
 //! | [`math`] | elementary functions with the same bits on each platform |
@@ -65,6 +66,7 @@ pub mod fresnel_average;
 pub mod fresnel_term;
 pub mod ggx;
 pub mod gltf;
+pub mod hair;
 mod ior_metals;
 pub mod ior_table;
 pub mod laws;

@@ -14,6 +14,7 @@ use crate::{
     Lambert,
     bsdf::{Bsdf, BsdfSample, DeltaPart, Eval},
     diffuse::LambertParams,
+    hair::{Hair, HairParams},
     metal_rough::{MetalRough, MetalRoughParams},
 };
 use etendue_color::Spectrum;
@@ -204,6 +205,7 @@ impl Model {
 }
 
 models! {
+    "hair" => Hair(HairParams, Hair),
     "lambert" => Lambert(LambertParams, Lambert),
     "metal-rough" => MetalRough(MetalRoughParams, MetalRough),
 }
