@@ -374,6 +374,7 @@ fn nonsense_gives_something_finite() {
             radius: Spectrum([pick(), pick(), pick(), pick()]),
             distance: distances[i % 4],
             ior: pick(),
+            roughness: pick(),
         });
         assert!(s.albedo().is_finite() && s.local().is_finite() && s.reach().is_finite());
         if let Some(p) = s.sample_probe(pick(), [pick(), pick()]) {

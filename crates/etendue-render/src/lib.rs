@@ -5,9 +5,11 @@
 //! its samples are divided over threads, processes, machines or interrupted runs.
 #![forbid(unsafe_code)]
 
+mod body;
 mod checkpoint;
 mod distribution;
 mod emission_map;
+mod extended;
 mod film;
 mod filter;
 mod fingerprint;
@@ -16,11 +18,14 @@ mod ids;
 mod light_tree;
 mod lights;
 mod lookup;
+mod media;
 mod output;
 mod pass;
 mod path;
 mod renderer;
 mod sampler;
+mod scattering;
+mod skin;
 mod sky;
 mod surface;
 mod texels;

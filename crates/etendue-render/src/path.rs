@@ -1,10 +1,13 @@
 //! The path tracer: unidirectional, next-event estimation at each vertex, multiple importance sampling.
 
 use crate::lights::LightChoice;
+use crate::media::Media;
 use crate::sampler::Sampler;
+use crate::scattering::Scattering;
 use crate::surface::Surface;
 use crate::world::World;
 use etendue_bxdf::Bsdf;
+use etendue_bxdf::model::{Incidence, Transport};
 use etendue_bxdf::sampling::power_heuristic;
 use etendue_color::Spectrum;
 use etendue_trace::{Hit, Ray};
@@ -60,12 +63,18 @@ pub(crate) struct Layers {
 /// Backs that a camera ray looks through before one is taken for a front.
 const MOST_LAYERS: u32 = 1024;
 
-/// Dimension sets: the camera has 0; each bounce has two.
+/// Dimension sets: the camera has 0; each bounce has two, and further ones where light travels under a surface.
 const SETS_PER_BOUNCE: u32 = 2;
+const SKIN_SETS: u32 = 1 << 16;
+const ENTRY_SETS: u32 = 1 << 17;
 
-/// Traces a path from the camera. `LAYERS` fills `layers`; `axis` is the camera's unit view direction.
+/// Lanes that carry light: one that a path chooses stands for all.
+const LANES: u8 = 3;
+
+/// Traces a path from the camera. `LAYERS` fills `layers`; `axis` is the camera's unit view direction. `WHOLE` follows light
+/// through surfaces and asks models other than glTF's core; scenes without them do not pay for it.
 #[inline(always)]
-pub(crate) fn trace<const LAYERS: bool>(
+pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
     world: &World,
     options: &PathOptions,
     sampler: &Sampler,
@@ -83,6 +92,11 @@ pub(crate) fn trace<const LAYERS: bool>(
     // How the last vertex would have drawn the light that this ray finds; `None` if it could not.
     let mut last: Option<(f32, LightChoice)> = None;
     let mut bounce = 0;
+    // What the path is inside of, the only lane that it carries after dispersion, and the part of its throughput that
+    // refraction has compressed and will give back.
+    let mut media = Media::default();
+    let mut lane = None;
+    let mut decompression = 1.0f32;
 
     // Light found after `bounce` scatterings, worth `light` × `throughput`.
     let add = |out: &mut PathSample,
@@ -113,10 +127,28 @@ pub(crate) fn trace<const LAYERS: bool>(
         let mut ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
         // The camera looks through the backs of one-sided surfaces, as glTF asks for (`doubleSided`, section 3.9.6). For light,
         // a surface has two sides.
+        let (mut travelled, mut crossed) = (0.0, 0);
         let hit = loop {
             out.rays[0] += 1;
             let Some(hit) = world.closest(&ray, key) else { break None };
             let surface = Surface::new(world, &hit, direction);
+            if WHOLE {
+                // A path that meets nothing is not inside of anything, whatever it has entered.
+                let left = media.transmittance(&world.bodies, hit.t - travelled);
+                throughput *= left;
+                diffuse_part *= left;
+                travelled = hit.t;
+                let bounded = world.bodies[surface.material as usize].interior.is_some();
+                if bounded
+                    && crossed < MOST_LAYERS
+                    && media.hides(&world.bodies, surface.material, surface.front)
+                {
+                    media.cross(surface.material, surface.front);
+                    crossed += 1;
+                    ray.t_min = hit.t;
+                    continue;
+                }
+            }
             let seen = surface.front || world.scene.materials[surface.material as usize].double_sided;
             if bounce > 0 || seen || out.rays[0] > MOST_LAYERS {
                 break Some((hit, surface));
@@ -169,59 +201,137 @@ pub(crate) fn trace<const LAYERS: bool>(
             return out;
         }
 
-        let closure = surface.closure(world, &hit);
-        let wo = surface.frame.transpose() * -direction;
+        let mut set = 1 + bounce * SETS_PER_BOUNCE;
+        let mut points = sampler.get4(set);
+        let body = &world.bodies[surface.material as usize];
+        let passes = WHOLE && body.passes;
+        let mut closure = if WHOLE {
+            if lane.is_none() && body.interior.is_some_and(|m| m.dispersive) {
+                let chosen = ((points[3] * f32::from(LANES)) as u8).min(LANES - 1);
+                let only = |i| if i == chosen as usize { LANES.into() } else { 0.0 };
+                let only = Spectrum(std::array::from_fn(only));
+                throughput *= only;
+                diffuse_part *= only;
+                lane = Some(chosen);
+            }
+            let exterior_ior = media.exterior_ior(&world.bodies, surface.material, surface.front);
+            let at = Incidence { front: surface.front, exterior_ior, transport: Transport::Radiance, lane };
+            surface.scattering(world, &hit, &at)
+        } else {
+            Scattering::Plain(surface.plain(world, &hit))
+        };
+        let mut wo = surface.frame.transpose() * -direction;
         if LAYERS && bounce == 0 {
             layers.albedo = closure.albedo(wo);
             if options.bounces == 0 {
                 return out;
             }
         }
-        let choice = world.lights.choose(surface.lifted, surface.frame.z_axis);
+        // On skin, the share of the light that came from below and the probability of following the gloss instead.
+        let mut skin = if WHOLE { body.skin.as_ref().filter(|_| surface.front) } else { None };
+        let (through, gloss) = skin.map_or((0.0, 1.0), |s| s.split(wo));
+        if let Some(skin) = skin {
+            closure = Scattering::Plain(skin.gloss);
+        }
+        let mut entered = false;
 
-        // Light that is asked for.
-        let set = 1 + bounce * SETS_PER_BOUNCE;
-        let [u0, u1, pick, _] = sampler.get4(set);
-        if let Some(light) = world.lights.sample(world, &choice, pick, [u0, u1]) {
-            let cos_geometric = light.wi.dot(surface.geometric);
-            if cos_geometric > 0.0 && light.pdf > 0.0 {
+        // Once; on skin perhaps again, where the light entered.
+        let (s, choice, roulette) = loop {
+            let side = if passes { Vec3A::ZERO } else { surface.frame.z_axis };
+            let choice = world.lights.choose(surface.lifted, side);
+
+            // Light that is asked for.
+            let [u0, u1, pick, _] = points;
+            if let Some(light) = world.lights.sample(world, &choice, pick, [u0, u1]) {
+                let above = light.wi.dot(surface.geometric) > 0.0;
                 let wi = surface.frame.transpose() * light.wi;
-                let e = closure.eval_pdf(wo, wi);
-                if !e.value().is_black() && !light.radiance.is_black() {
-                    let from = surface.origin(world, light.wi);
-                    // From where the ray really starts to the point on the light, and not quite there: aimed along `wi` it
-                    // would meet a slanted light too early.
-                    let ray = if light.distance.is_finite() {
-                        let to = surface.lifted + light.wi * light.distance - from;
-                        Ray { origin: from, direction: to, t_min: 0.0, t_max: 1.0 - 1e-4 }
-                    } else {
-                        Ray::new(from, light.wi)
-                    };
-                    out.rays[1] += 1;
-                    if !world.occluded(&ray, sampler.hash(bounce * 2 + 1)) {
-                        let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, e.pdf) };
-                        let scale = light.radiance * (wi.z * weight / light.pdf);
-                        let part = if bounce == 0 { e.diffuse } else { diffuse_part * e.value() };
-                        add(&mut out, layers, throughput * e.value(), part, scale, bounce + 1);
+                // A direction above the shading normal and below the surface, or the other way round, carries no light.
+                if (above || passes) && light.pdf > 0.0 && (!passes || above == (wi.z > 0.0)) {
+                    let mut e = closure.eval_pdf(wo, wi);
+                    if WHOLE && skin.is_some() {
+                        e.pdf *= gloss;
+                    }
+                    if !e.value().is_black() && !light.radiance.is_black() {
+                        let from = surface.origin(world, light.wi);
+                        // From where the ray really starts to the point on the light, and not quite there: aimed along
+                        // `wi` it would meet a slanted light too early.
+                        let ray = if light.distance.is_finite() {
+                            let to = surface.lifted + light.wi * light.distance - from;
+                            Ray { origin: from, direction: to, t_min: 0.0, t_max: 1.0 - 1e-4 }
+                        } else {
+                            Ray::new(from, light.wi)
+                        };
+                        out.rays[1] += 1;
+                        if !world.occluded(&ray, sampler.hash(bounce * 2 + 1)) {
+                            let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, e.pdf) };
+                            let mut scale = light.radiance * (wi.z.abs() * weight / light.pdf);
+                            if WHOLE && light.distance.is_finite() {
+                                let mut there = media;
+                                if !above && body.interior.is_some() {
+                                    there.cross(surface.material, surface.front);
+                                }
+                                scale *= there.transmittance(&world.bodies, light.distance);
+                            }
+                            let first = bounce == 0 && !(WHOLE && entered);
+                            let part = if first { e.diffuse } else { diffuse_part * e.value() };
+                            add(&mut out, layers, throughput * e.value(), part, scale, bounce + 1);
+                        }
                     }
                 }
             }
-        }
 
-        // Light that scattering finds.
-        let [u0, u1, uc, roulette] = sampler.get4(set + 1);
-        let Some(s) = closure.sample(wo, uc, [u0, u1]) else { return out };
+            // Light that scattering finds.
+            let [u0, u1, mut uc, roulette] = sampler.get4(set + 1);
+            if let Some(s) = skin {
+                if uc >= gloss {
+                    let [v0, v1, pick, _] = sampler.get4(SKIN_SETS + bounce);
+                    let uc = (uc - gloss) / (1.0 - gloss);
+                    let Some((found, weight)) = s.enter(world, &surface, uc, [v0, v1], pick) else {
+                        return out;
+                    };
+                    throughput *= weight * (through / (1.0 - gloss));
+                    diffuse_part = if bounce == 0 {
+                        throughput
+                    } else {
+                        diffuse_part * weight * (through / (1.0 - gloss))
+                    };
+                    surface = found;
+                    closure = Scattering::Entry(s.entry);
+                    wo = Vec3A::Z;
+                    set = ENTRY_SETS + bounce * SETS_PER_BOUNCE;
+                    points = sampler.get4(set);
+                    (skin, entered) = (None, true);
+                    continue;
+                }
+                uc /= gloss;
+            }
+            let Some(mut s) = closure.sample(wo, uc, [u0, u1]) else { return out };
+            if WHOLE && skin.is_some() {
+                s.pdf *= gloss;
+                let scale = 1.0 / gloss;
+                (s.weight, s.weight_diffuse) = (s.weight * scale, s.weight_diffuse * scale);
+            }
+            break (s, choice, roulette);
+        };
         let wi = surface.frame * s.wi;
-        // Directions that lie above the shading normal but below the surface carry no light.
-        if wi.dot(surface.geometric) <= 0.0 {
+        let above = wi.dot(surface.geometric) > 0.0;
+        if above != (!passes || s.wi.z > 0.0) {
             return out;
         }
+        if passes && !above {
+            if body.interior.is_some() {
+                media.cross(surface.material, surface.front);
+            }
+            let eta = closure.refraction().unwrap_or(1.0);
+            decompression *= eta * eta;
+        }
         throughput *= s.weight;
-        diffuse_part = if bounce == 0 { s.weight_diffuse } else { diffuse_part * s.weight };
+        let first = bounce == 0 && !(WHOLE && entered);
+        diffuse_part = if first { s.weight_diffuse } else { diffuse_part * s.weight };
         last = (!s.delta).then_some((s.pdf, choice));
         bounce += 1;
         if bounce > options.roulette_after {
-            let survival = throughput.max_element().min(1.0);
+            let survival = (throughput.max_element() * decompression).min(1.0);
             if roulette >= survival {
                 return out;
             }

@@ -71,6 +71,8 @@ pub struct Renderer<'a> {
     settings: Settings,
     filter: FilterSampler,
     hashes: [Vec<u32>; 2],
+    /// The scene needs more than glTF's core closure.
+    whole: bool,
 }
 
 /// Side of the square of pixels that a thread takes at a time.
@@ -90,7 +92,7 @@ impl<'a> Renderer<'a> {
             [Vec::new(), Vec::new()]
         };
         let rays = camera.rays(settings.width as f32 / settings.height as f32);
-        Self { world, camera, rays, settings, filter, hashes }
+        Self { world, camera, rays, settings, filter, hashes, whole: world.is_whole() }
     }
 
     /// The settings that it was made with.
@@ -115,12 +117,23 @@ impl<'a> Renderer<'a> {
 
     /// One sample of one pixel: linear radiance and whether a surface was seen. A pure function of its arguments.
     pub fn sample(&self, x: u32, y: u32, index: u32) -> (Spectrum, f32) {
-        let s = self.path::<false>(x, y, index, &mut Layers::default());
+        let layers = &mut Layers::default();
+        let s = if self.whole {
+            self.path::<false, true>(x, y, index, layers)
+        } else {
+            self.path::<false, false>(x, y, index, layers)
+        };
         (s.radiance, s.alpha)
     }
 
     #[inline(always)]
-    fn path<const LAYERS: bool>(&self, x: u32, y: u32, index: u32, layers: &mut Layers) -> PathSample {
+    fn path<const LAYERS: bool, const WHOLE: bool>(
+        &self,
+        x: u32,
+        y: u32,
+        index: u32,
+        layers: &mut Layers,
+    ) -> PathSample {
         let s = &self.settings;
         let sampler = Sampler::new(s.seed, x, y, index);
         let [u0, u1, ..] = sampler.get4(0);
@@ -128,7 +141,7 @@ impl<'a> Renderer<'a> {
         let (w, h) = (s.width as f32, s.height as f32);
         let ndc = [(x as f32 + 0.5 + dx) / w * 2.0 - 1.0, 1.0 - (y as f32 + 0.5 + dy) / h * 2.0];
         let (origin, direction) = self.rays.ray(ndc);
-        trace::<LAYERS>(self.world, &s.path, &sampler, origin, direction, self.rays.axis, layers)
+        trace::<LAYERS, WHOLE>(self.world, &s.path, &sampler, origin, direction, self.rays.axis, layers)
     }
 
     /// Takes the samples `from..to` of every pixel and adds them to `film`, on all threads of the current pool.
@@ -158,7 +171,13 @@ impl<'a> Renderer<'a> {
     }
 
     #[inline(always)]
-    fn tile<const LAYERS: bool>(&self, at: [u32; 2], size: [u32; 2], from: u32, to: u32) -> Tile {
+    fn tile<const LAYERS: bool, const WHOLE: bool>(
+        &self,
+        at: [u32; 2],
+        size: [u32; 2],
+        from: u32,
+        to: u32,
+    ) -> Tile {
         let passes = self.settings.passes;
         let stride = Film::stride_of(passes);
         let pixels = (size[0] * size[1]) as usize;
@@ -179,7 +198,7 @@ impl<'a> Renderer<'a> {
                 if (index - from) % Running::TERMS == Running::TERMS - 1 {
                     flush(&mut beauty, sums);
                 }
-                let mut s = self.path::<LAYERS>(x, y, index, &mut layers);
+                let mut s = self.path::<LAYERS, WHOLE>(x, y, index, &mut layers);
                 t.rays[0] += u64::from(s.rays[0]);
                 t.rays[1] += u64::from(s.rays[1]);
                 if !s.radiance.is_finite() {
@@ -252,10 +271,11 @@ impl Work for TileWork<'_> {
     #[inline(always)]
     fn run(self) -> Tile {
         let Self { renderer, at, size, samples: [from, to] } = self;
-        if renderer.settings.passes.is_empty() {
-            renderer.tile::<false>(at, size, from, to)
-        } else {
-            renderer.tile::<true>(at, size, from, to)
+        match (renderer.settings.passes.is_empty(), renderer.whole) {
+            (true, false) => renderer.tile::<false, false>(at, size, from, to),
+            (true, true) => renderer.tile::<false, true>(at, size, from, to),
+            (false, false) => renderer.tile::<true, false>(at, size, from, to),
+            (false, true) => renderer.tile::<true, true>(at, size, from, to),
         }
     }
 }

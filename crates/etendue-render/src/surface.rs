@@ -7,7 +7,7 @@ use etendue_bxdf::{MetalRough, MetalRoughParams};
 use etendue_color::Spectrum;
 use etendue_scene::Material;
 use etendue_trace::Hit;
-use glam::{Mat3A, Vec2, Vec3A};
+use glam::{Mat3A, Vec2, Vec3A, Vec4};
 
 /// The point that a ray met.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +25,36 @@ pub(crate) struct Surface {
     /// First texture coordinate.
     pub uv: Vec2,
     pub material: u32,
-    lookup: Lookup,
+    /// Normal between the vertices', without a normal map, on the side that the ray came from.
+    pub smooth: Vec3A,
+    /// The tangent plane that normal maps refer to; only made if one is there or a lobe needs a direction.
+    pub along: Along,
+    /// Unit, towards where the ray came from.
+    pub wo: Vec3A,
+    pub lookup: Lookup,
+}
+
+/// The directions of a texture on the surface.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Along {
+    pub tangent: Vec3A,
+    /// The smooth normal on the front.
+    pub front: Vec3A,
+    /// The bitangent is cross(front, tangent) · sign.
+    pub sign: f32,
+    /// +1 if the front is seen, −1 for the back.
+    pub side: f32,
+}
+
+impl Along {
+    /// The normal that a texel of a normal map stands for, on the side that is seen; `None` if it has no length.
+    #[inline(always)]
+    pub fn bend(&self, texel: Vec4, scale: f32) -> Option<Vec3A> {
+        let bitangent = self.front.cross(self.tangent) * self.sign;
+        let (x, y) = ((texel.x * 2.0 - 1.0) * scale, (texel.y * 2.0 - 1.0) * scale);
+        let bent = self.tangent * x + bitangent * y + self.front * (texel.z * 2.0 - 1.0);
+        (bent * self.side).try_normalize()
+    }
 }
 
 impl Surface {
@@ -56,8 +85,10 @@ impl Surface {
         let uv = if mesh.has_uv { a.uv * w[0] + b.uv * w[1] + c.uv * w[2] } else { Vec2::ZERO };
         let mut lifted = point;
         let mut normal = geometric;
+        let mut smooth = geometric;
         let mut lookup = Lookup::new(corners, w);
         let mut tangent = None;
+        let mut along = Along::default();
         let material = &world.scene.materials[instance.material as usize];
         if mesh.has_normals {
             let side = if front { 1.0 } else { -1.0 };
@@ -73,27 +104,24 @@ impl Surface {
                 }
             };
             let n = [turn(a), turn(b), turn(c)];
-            let smooth = (n[0] * w[0] + n[1] * w[1] + n[2] * w[2]).try_normalize().unwrap_or(geometric);
+            smooth = (n[0] * w[0] + n[1] * w[1] + n[2] * w[2]).try_normalize().unwrap_or(geometric);
             lifted = lift(point, &p, &n, w, geometric);
             normal = smooth;
-            if let Some(map) = material.normal_texture.filter(|_| mesh.has_tangents) {
+            let directed =
+                material.normal_texture.is_some() || world.bodies[instance.material as usize].directed;
+            if directed && mesh.has_tangents {
                 let t = a.tangent * w[0] + b.tangent * w[1] + c.tangent * w[2];
                 let sign = a.tangent.w * instance.handedness;
                 let t = Vec3A::from_vec4(t);
                 let t = if instance.baked { t } else { instance.to_world.matrix3 * t };
                 if let Some(t) = t.try_normalize() {
                     // All three axes turn over on the back, as in glTF's reference implementation.
-                    let front_normal = smooth * side;
-                    let bitangent = front_normal.cross(t) * sign;
-                    let s = lookup.linear(world, mesh, &map.texture);
-                    let m = Vec3A::new(
-                        (s.x * 2.0 - 1.0) * map.scale,
-                        (s.y * 2.0 - 1.0) * map.scale,
-                        s.z * 2.0 - 1.0,
-                    );
-                    let bent = (t * m.x + bitangent * m.y + front_normal * m.z) * side;
-                    normal = bent.try_normalize().unwrap_or(smooth);
+                    along = Along { tangent: t, front: smooth * side, sign, side };
                     tangent = Some(t);
+                    if let Some(map) = &material.normal_texture {
+                        let s = lookup.linear(world, mesh, &map.texture);
+                        normal = along.bend(s, map.scale).unwrap_or(smooth);
+                    }
                 }
             }
         }
@@ -112,6 +140,9 @@ impl Surface {
             front,
             uv,
             material: instance.material,
+            smooth,
+            along,
+            wo,
             lookup,
         }
     }
@@ -129,9 +160,9 @@ impl Surface {
         emitted(world, m, hit.instance, &mut self.lookup)
     }
 
-    /// How the surface scatters.
+    /// How a surface of glTF's core material scatters.
     #[inline(always)]
-    pub fn closure(&mut self, world: &World, hit: &Hit) -> MetalRough {
+    pub fn plain(&mut self, world: &World, hit: &Hit) -> MetalRough {
         let m = &world.scene.materials[self.material as usize];
         let mesh = &world.meshes[world.instances[hit.instance as usize].mesh as usize];
         let (mut metallic, mut roughness) = (m.metallic, m.roughness);
@@ -159,7 +190,7 @@ impl Surface {
     }
 
     #[inline(always)]
-    fn base_color(&mut self, world: &World, hit: &Hit, m: &Material) -> Spectrum {
+    pub fn base_color(&mut self, world: &World, hit: &Hit, m: &Material) -> Spectrum {
         let mesh = &world.meshes[world.instances[hit.instance as usize].mesh as usize];
         let mut c = m.base_color;
         if let Some(t) = &m.base_color_texture {
@@ -210,7 +241,7 @@ fn lift(point: Vec3A, p: &[Vec3A; 3], n: &[Vec3A; 3], w: [f32; 3], geometric: Ve
 /// Bends `n` until `wo` lies above it: a viewer never sees the back of a surface that faces him, whatever a normal map or
 /// an interpolated normal says.
 #[inline(always)]
-fn towards(n: Vec3A, wo: Vec3A) -> Vec3A {
+pub(crate) fn towards(n: Vec3A, wo: Vec3A) -> Vec3A {
     const LEAST: f32 = 1e-3;
     let cos = n.dot(wo);
     if cos >= LEAST {
@@ -241,7 +272,7 @@ fn towards_reflection(n: Vec3A, wo: Vec3A, geometric: Vec3A) -> Vec3A {
 
 /// An orthonormal frame about `n`, along `tangent` if there is one.
 #[inline(always)]
-fn frame(n: Vec3A, tangent: Option<Vec3A>) -> Mat3A {
+pub(crate) fn frame(n: Vec3A, tangent: Option<Vec3A>) -> Mat3A {
     match tangent.and_then(|t| (t - n * n.dot(t)).try_normalize()) {
         Some(t) => Mat3A::from_cols(t, n.cross(t), n),
         None => {

@@ -1,5 +1,6 @@
 //! The scene made ready for rays: acceleration structure, interleaved vertices, lights.
 
+use crate::body::{Body, Kind};
 use crate::lights::Lights;
 use crate::lookup::Lookup;
 use crate::sampler::{hash, unit};
@@ -53,6 +54,8 @@ pub struct World {
     pub(crate) instances: Vec<InstanceData>,
     pub(crate) accel: Accel,
     pub(crate) lights: Lights,
+    /// Per material.
+    pub(crate) bodies: Vec<Body>,
     /// Distance by which rays start off a surface at the origin of the world; grows with the coordinates.
     pub(crate) epsilon: f32,
     pub(crate) fingerprint: u32,
@@ -106,6 +109,7 @@ impl World {
             instances,
             accel,
             lights: Lights::default(),
+            bodies: scene.materials.iter().map(Body::new).collect(),
             epsilon: (bounds.diagonal() * 2e-7).max(1e-12),
             scene,
             fingerprint,
@@ -140,6 +144,11 @@ impl World {
     /// Number of lights that are drawn from: punctual lights and emissive triangles.
     pub fn light_count(&self) -> usize {
         self.lights.count()
+    }
+
+    /// True if a material needs more than glTF's core closure.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.bodies.iter().any(|b| b.kind != Kind::Plain)
     }
 
     /// True if the surface is there for this ray: the alpha test. `key` makes the choice for blended surfaces.

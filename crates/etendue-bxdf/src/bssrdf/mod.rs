@@ -31,7 +31,11 @@ pub use entry::EntryLobe;
 pub use inversion::{single_scattering_albedo, surface_albedo};
 pub use probe::{Found, Probe};
 
-use crate::{choices, parameters};
+use crate::{
+    MetalRough, MetalRoughParams, choices,
+    model::{Incidence, ModelParams},
+    parameters,
+};
 use etendue_color::Spectrum;
 
 choices! {
@@ -59,6 +63,44 @@ parameters! {
         distance: Distance = Distance::DiffuseEntry, 0.0..1.0;
         /// Index of refraction of the surface, 1..4: how much of the light from each angle enters.
         ior: f32 = 1.4, 1.0..4.0;
+        /// Perceptual roughness of the surface, 0..1.
+        roughness: f32 = 0.4, 0.0..1.0;
+    }
+}
+
+impl SubsurfaceParams {
+    /// The reflection at the surface alone: what does not enter.
+    pub fn gloss(&self) -> MetalRough {
+        MetalRough::new(&MetalRoughParams { base_color: Spectrum::ZERO, ..self.metal_rough() })
+    }
+
+    /// What a path looks for under the surface.
+    pub fn entry(&self) -> EntryLobe {
+        EntryLobe::new(self.ior)
+    }
+
+    fn metal_rough(&self) -> MetalRoughParams {
+        MetalRoughParams {
+            base_color: self.color,
+            roughness: self.roughness,
+            ior: self.ior.max(1.0).min(4.0),
+            ..MetalRoughParams::default()
+        }
+    }
+}
+
+impl ModelParams for SubsurfaceParams {
+    type Closure = MetalRough;
+    const ABOUT: &'static str = "a translucent surface by normalized diffusion (Christensen, Burley 2015); its closure is the \
+        crude end of the scale, light that leaves where it entered; a path tracer moves the diffuse part by the profile";
+
+    #[inline]
+    fn closure(&self, _at: &Incidence) -> MetalRough {
+        MetalRough::new(&self.metal_rough())
+    }
+
+    fn subsurface(&self) -> Option<SubsurfaceParams> {
+        Some(*self)
     }
 }
 

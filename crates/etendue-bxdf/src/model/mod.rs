@@ -13,6 +13,7 @@ pub use parameter::{Field, Parameter, ParameterError, Parameters, Value};
 use crate::{
     Lambert,
     bsdf::{Bsdf, BsdfSample, DeltaPart, Eval},
+    bssrdf::SubsurfaceParams,
     diffuse::LambertParams,
     hair::{Hair, HairParams},
     metal_rough::{MetalRough, MetalRoughParams},
@@ -58,6 +59,11 @@ pub trait ModelParams: Parameters {
 
     /// What fills the space behind the surface; `None` if nothing passes through or the surface is a thin sheet.
     fn interior(&self) -> Option<Interior> {
+        None
+    }
+
+    /// How light travels under the surface; `None` if it leaves where it entered.
+    fn subsurface(&self) -> Option<SubsurfaceParams> {
         None
     }
 }
@@ -141,6 +147,11 @@ macro_rules! models {
                 match self { $( Self::$variant(p) => Closure::$variant(p.closure(at)), )* }
             }
 
+            /// How light travels under the surface; see [`ModelParams::subsurface`].
+            pub fn subsurface(&self) -> Option<SubsurfaceParams> {
+                match self { $( Self::$variant(p) => p.subsurface(), )* }
+            }
+
             /// What fills the space behind the surface; see [`ModelParams::interior`].
             pub fn interior(&self) -> Option<Interior> {
                 match self { $( Self::$variant(p) => p.interior(), )* }
@@ -184,6 +195,25 @@ macro_rules! models {
     };
 }
 
+impl std::str::FromStr for Model {
+    type Err = ParameterError;
+
+    /// A model with parameters: `NAME[:PARAMETER=VALUE]…`, such as `metal-rough:roughness=0.2:base_color=0.9,0.5,0.1`.
+    fn from_str(text: &str) -> Result<Self, ParameterError> {
+        let mut parts = text.split(':');
+        let mut model = Self::by_name(parts.next().unwrap_or_default().trim())?;
+        for part in parts {
+            let (name, value) = part.split_once('=').ok_or_else(|| ParameterError::NotAValue {
+                name: model.name().into(),
+                text: part.into(),
+                expected: "PARAMETER=VALUE".into(),
+            })?;
+            model.set_text(name.trim(), value)?;
+        }
+        Ok(model)
+    }
+}
+
 impl Model {
     /// Sets a parameter from text; see [`Parameter::parse`].
     ///
@@ -208,6 +238,7 @@ models! {
     "hair" => Hair(HairParams, Hair),
     "lambert" => Lambert(LambertParams, Lambert),
     "metal-rough" => MetalRough(MetalRoughParams, MetalRough),
+    "subsurface" => Subsurface(SubsurfaceParams, MetalRough),
 }
 
 #[cfg(test)]
@@ -241,6 +272,9 @@ mod tests {
         assert!(model.set_text("roughness", "NaN").is_err());
         let unknown = model.set_text("roughnes", "1").expect_err("no such name").to_string();
         assert!(unknown.contains("roughness"), "{unknown}");
+        let gold: Model = "metal-rough:metallic=1:base_color=0.9,0.5,0.1".parse().expect("a model");
+        assert_eq!(gold.get("metallic"), Some(Value::Number(1.0)));
+        assert!("metal-rough:metallic".parse::<Model>().is_err());
         assert!(Model::by_name("plastic").expect_err("no such model").to_string().contains("lambert"));
     }
 }

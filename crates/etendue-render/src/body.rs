@@ -1,0 +1,56 @@
+//! What a material is to a path, decided once for the whole scene.
+
+use crate::skin::Skin;
+use etendue_bxdf::Bsdf;
+use etendue_bxdf::model::{Incidence, Interior};
+use etendue_scene::Material;
+
+/// How a surface's closure is made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// glTF's core material: metalness and roughness.
+    #[default]
+    Plain,
+    /// With material extensions.
+    Extended,
+    /// A model of another family.
+    Model,
+}
+
+/// A material as a path sees it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Body {
+    pub kind: Kind,
+    /// What fills the space behind the surface; `None` for opaque surfaces and thin sheets.
+    pub interior: Option<Interior>,
+    /// Light can come from behind.
+    pub passes: bool,
+    /// Its lobes have a direction within the surface.
+    pub directed: bool,
+    /// Light travels under the surface.
+    pub skin: Option<Skin>,
+}
+
+impl Body {
+    pub fn new(m: &Material) -> Self {
+        if let Some(model) = &m.model {
+            let passes = model.closure(&Incidence::default()).refraction().is_some();
+            return Self {
+                kind: Kind::Model,
+                interior: model.interior(),
+                passes,
+                directed: true,
+                skin: model.subsurface().map(|p| Skin::new(&p)),
+            };
+        }
+        let Some(e) = &m.extensions else { return Self::default() };
+        let passes = e.transmission.is_some() || e.diffuse_transmission.is_some();
+        Self {
+            kind: Kind::Extended,
+            interior: None,
+            passes,
+            skin: None,
+            directed: e.anisotropy.is_some() || e.clearcoat.is_some_and(|c| c.normal_texture.is_some()),
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Closures of materials with extensions, and of other models.
+
+use crate::body::Kind;
+use crate::scattering::Scattering;
+use crate::surface::{Surface, frame, towards};
+use crate::world::World;
+use etendue_bxdf::gltf::GltfParams;
+use etendue_bxdf::math::sin_cos_tau;
+use etendue_bxdf::model::{Closure, Incidence, ModelParams};
+use etendue_color::Spectrum;
+use etendue_scene::{Extensions, Material, TextureRef};
+use etendue_trace::Hit;
+use glam::{Vec3, Vec4};
+
+fn spectrum(c: Vec3) -> Spectrum {
+    Spectrum::from_rgb(c.to_array())
+}
+
+/// What the material is where all its textures are white.
+pub(crate) fn factors(m: &Material) -> GltfParams {
+    let mut p = GltfParams {
+        base_color: spectrum(m.base_color),
+        metallic: m.metallic,
+        roughness: m.roughness,
+        ior: m.ior,
+        specular: m.specular,
+        specular_color: spectrum(m.specular_color),
+        ..GltfParams::default()
+    };
+    let Some(e) = &m.extensions else { return p };
+    p.dispersion = e.dispersion;
+    if let Some(a) = &e.anisotropy {
+        p.anisotropy_strength = a.strength;
+    }
+    if let Some(c) = &e.clearcoat {
+        p.clearcoat = c.factor;
+        p.clearcoat_roughness = c.roughness;
+    }
+    if let Some(d) = &e.diffuse_transmission {
+        p.diffuse_transmission = d.factor;
+        p.diffuse_transmission_color = spectrum(d.color);
+    }
+    if let Some(i) = &e.iridescence {
+        p.iridescence = i.factor;
+        p.iridescence_ior = i.ior;
+        p.iridescence_thickness = i.thickness[1];
+    }
+    if let Some(s) = &e.sheen {
+        p.sheen_color = spectrum(s.color);
+        p.sheen_roughness = s.roughness;
+    }
+    if let Some(s) = &e.specular_glossiness {
+        let older = GltfParams::specular_glossiness(p.base_color, spectrum(s.specular), s.glossiness);
+        (p.metallic, p.roughness, p.ior, p.specular_color) =
+            (older.metallic, older.roughness, older.ior, older.specular_color);
+    }
+    if let Some(t) = &e.transmission {
+        p.transmission = t.factor;
+    }
+    if let Some(v) = &e.volume {
+        p.thickness = v.thickness;
+        p.attenuation_distance = v.attenuation_distance;
+        p.attenuation_color = spectrum(v.attenuation_color);
+    }
+    p
+}
+
+impl Surface {
+    /// How any surface scatters.
+    #[inline(always)]
+    pub fn scattering(&mut self, world: &World, hit: &Hit, at: &Incidence) -> Scattering {
+        match world.bodies[self.material as usize].kind {
+            Kind::Plain => Scattering::Plain(self.plain(world, hit)),
+            Kind::Extended | Kind::Model => Scattering::Whole(self.whole(world, hit, at)),
+        }
+    }
+
+    #[inline(never)]
+    fn whole(&mut self, world: &World, hit: &Hit, at: &Incidence) -> Closure {
+        let m = &world.scene.materials[self.material as usize];
+        if let Some(model) = &m.model {
+            return model.closure(at);
+        }
+        let mut p = factors(m);
+        p.base_color = self.base_color(world, hit, m);
+        let mut look = Look { surface: self, world, hit };
+        if let Some(s) = look.linear(&m.metallic_roughness_texture) {
+            p.roughness *= s.y;
+            p.metallic *= s.z;
+        }
+        if let Some(s) = look.linear(&m.specular_texture) {
+            p.specular *= s.w;
+        }
+        if let Some(s) = look.srgb(&m.specular_color_texture) {
+            p.specular_color *= spectrum(s.truncate());
+        }
+        if let Some(e) = &m.extensions {
+            look.layers(e, &mut p);
+            look.surface.turn(world, hit, e, &mut p);
+        }
+        Closure::MetalRough(p.metal_rough().closure(at))
+    }
+
+    /// Turns the frame to the direction of anisotropy, and finds the coat's normal in it.
+    fn turn(&mut self, world: &World, hit: &Hit, e: &Extensions, p: &mut GltfParams) {
+        if let Some(a) = &e.anisotropy {
+            let (mut y, mut x) = sin_cos_tau(a.rotation * (0.5 * std::f32::consts::FRAC_1_PI));
+            if let Some(s) = (Look { surface: self, world, hit }).linear(&a.texture) {
+                p.anisotropy_strength *= s.z;
+                let (u, v) = (s.x * 2.0 - 1.0, s.y * 2.0 - 1.0);
+                (x, y) = (u * x - v * y, u * y + v * x);
+            }
+            // The frame's second axis is the bitangent only where neither the texture nor the surface is turned over.
+            let flip = self.along.sign * self.along.side;
+            let turned = self.frame.x_axis * x + self.frame.y_axis * (y * flip);
+            self.frame = frame(self.frame.z_axis, turned.try_normalize());
+        }
+        let Some(coat) = &e.clearcoat else { return };
+        let mut normal = self.smooth;
+        if let Some(map) = &coat.normal_texture
+            && self.along.side != 0.0
+        {
+            let texel = (Look { surface: self, world, hit }).linear(&Some(map.texture)).unwrap_or(Vec4::Z);
+            normal = self.along.bend(texel, map.scale).unwrap_or(normal);
+        }
+        let wo = self.wo;
+        p.clearcoat_normal = self.frame.transpose() * towards(normal, wo);
+    }
+}
+
+/// The textures of one point.
+struct Look<'a> {
+    surface: &'a mut Surface,
+    world: &'a World,
+    hit: &'a Hit,
+}
+
+impl Look<'_> {
+    fn linear(&mut self, t: &Option<TextureRef>) -> Option<Vec4> {
+        let mesh = &self.world.meshes[self.world.instances[self.hit.instance as usize].mesh as usize];
+        t.as_ref().map(|t| self.surface.lookup.linear(self.world, mesh, t))
+    }
+
+    fn srgb(&mut self, t: &Option<TextureRef>) -> Option<Vec4> {
+        let mesh = &self.world.meshes[self.world.instances[self.hit.instance as usize].mesh as usize];
+        t.as_ref().map(|t| self.surface.lookup.srgb(self.world, mesh, t))
+    }
+
+    /// Multiplies the extensions' factors by their textures.
+    fn layers(&mut self, e: &Extensions, p: &mut GltfParams) {
+        if let Some(c) = &e.clearcoat {
+            p.clearcoat *= self.linear(&c.texture).map_or(1.0, |s| s.x);
+            p.clearcoat_roughness *= self.linear(&c.roughness_texture).map_or(1.0, |s| s.y);
+        }
+        if let Some(d) = &e.diffuse_transmission {
+            p.diffuse_transmission *= self.linear(&d.texture).map_or(1.0, |s| s.w);
+            if let Some(s) = self.srgb(&d.color_texture) {
+                p.diffuse_transmission_color *= spectrum(s.truncate());
+            }
+        }
+        if let Some(i) = &e.iridescence {
+            p.iridescence *= self.linear(&i.texture).map_or(1.0, |s| s.x);
+            if let Some(s) = self.linear(&i.thickness_texture) {
+                p.iridescence_thickness = i.thickness[0] + (i.thickness[1] - i.thickness[0]) * s.y;
+            }
+        }
+        if let Some(s) = &e.sheen {
+            if let Some(c) = self.srgb(&s.color_texture) {
+                p.sheen_color *= spectrum(c.truncate());
+            }
+            p.sheen_roughness *= self.linear(&s.roughness_texture).map_or(1.0, |s| s.w);
+        }
+        if let Some(g) = &e.specular_glossiness
+            && let Some(s) = self.srgb(&g.texture)
+        {
+            p.specular_color *= spectrum(s.truncate());
+            p.roughness = 1.0 - g.glossiness * s.w;
+        }
+        if let Some(t) = &e.transmission {
+            p.transmission *= self.linear(&t.texture).map_or(1.0, |s| s.x);
+        }
+    }
+}
