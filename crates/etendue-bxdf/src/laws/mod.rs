@@ -5,17 +5,22 @@
 //! | [`chi2`] | `sample` draws from `pdf` |
 //! | [`sampling`] | each sample's weight is `eval · cos / pdf`; `pdf` integrates to what `sample` returns |
 //! | [`furnace`] | no more light comes back than went in; sampling and quadrature agree on how much |
-//! | [`reciprocity`] | f(wo, wi) = f(wi, wo) |
+//! | [`reciprocity`] | f(wo, wi) = f(wi, wo), and its like through an interface |
+//! | [`finite`] | no input gives anything but finite values that are not negative |
 //!
-//! Each function judges one closure at one `wo` and returns what it measured; [`grid`] is the list of closures and
-//! directions that this crate's own tests (and a bench that wants to show them) run over.
+//! Each function judges one closure at one `wo` and returns what it measured. [`verify`] runs all of them over the
+//! [`cases`] of a model: this crate's tests and the command line share it. [`grid`] has the angles, and lobes that are
+//! not models.
 
+pub mod cases;
 pub mod chi2;
+pub mod finite;
 pub mod furnace;
 pub mod gamma;
 pub mod grid;
 pub mod reciprocity;
 pub mod sampling;
+pub mod verify;
 
 /// Random numbers for the statistical laws: a counter through Stafford's 13th mix (Steele, Lea, Flood 2014,
 /// "Fast Splittable Pseudorandom Number Generators"). The same seed gives the same numbers everywhere.
