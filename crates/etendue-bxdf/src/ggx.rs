@@ -23,6 +23,15 @@ use glam::{Vec3A, vec3a};
 /// environment. A mirror in its place reflects the same energy to 1e-4, and costs no precision.
 pub const ALPHA_DELTA: f32 = 0.95e-4;
 
+/// αx and αy of a perceptual roughness and an anisotropy 0..1 (Burley 2012, "Physically Based Shading at Disney",
+/// addenda: aspect = √(1 − 0.9 a), αx = α / aspect, αy = α · aspect).
+#[inline(always)]
+pub fn anisotropic_alpha(roughness: f32, anisotropy: f32) -> [f32; 2] {
+    let alpha = roughness * roughness;
+    let aspect = (1.0 - 0.9 * anisotropy).sqrt();
+    [alpha / aspect, alpha * aspect]
+}
+
 /// The distribution of microfacet normals (Trowbridge, Reitz 1975; Walter et al. 2007) with Smith's masking
 /// (Heitz 2014, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs").
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -56,7 +56,12 @@ impl Bsdf for DiffuseTransmission {
             return Eval::ZERO;
         }
         let (color, p) = self.side(wi.z > 0.0);
-        Eval { diffuse: color * FRAC_1_PI, specular: Spectrum::ZERO, pdf: p * (wi.z.abs() * FRAC_1_PI) }
+        let pdf = p * (wi.z.abs() * FRAC_1_PI);
+        if pdf < f32::INFINITY {
+            Eval { diffuse: color * FRAC_1_PI, specular: Spectrum::ZERO, pdf }
+        } else {
+            Eval::ZERO
+        }
     }
 
     #[inline]

@@ -27,6 +27,20 @@ pub trait Interface: Copy {
         Spectrum::ONE - self.reflect(cos)
     }
 
+    /// [`Interface::reflect`] for a refracted ray whose cosines on both sides are known: `near` and `far`, 0..1. It keeps
+    /// the digits where one of them is small, so that both sides of a boundary agree, and needs no root.
+    #[inline(always)]
+    fn reflect_between(&self, near: f32, far: f32) -> Spectrum {
+        let _ = far;
+        self.reflect(near)
+    }
+
+    /// [`Interface::transmit`] for a refracted ray, as [`Interface::reflect_between`].
+    #[inline(always)]
+    fn transmit_between(&self, near: f32, far: f32) -> Spectrum {
+        Spectrum::ONE - self.reflect_between(near, far)
+    }
+
     /// The part that is reflected by all the microfacets that are seen at an angle of cosine `cos` to the surface, over
     /// which Schlick's (1 − cos)⁵ has the mean `w`: exact for interfaces that follow Schlick's curve and for smooth
     /// surfaces, an estimate for others.
@@ -73,6 +87,18 @@ impl Interface for Dielectric {
     fn reflect(&self, cos: f32) -> Spectrum {
         if Interface::eta(self) == 1.0 { Spectrum::ZERO } else { self.eval(cos) }
     }
+
+    #[inline(always)]
+    fn reflect_between(&self, near: f32, far: f32) -> Spectrum {
+        let eta = Interface::eta(self);
+        if eta == 1.0 {
+            return Spectrum::ZERO;
+        }
+        let parallel = (eta * near - far) / (eta * near + far);
+        let perpendicular = (near - eta * far) / (near + eta * far);
+        // 0 / 0 counts as grazing: everything is reflected.
+        Spectrum::splat((0.5 * (parallel * parallel + perpendicular * perpendicular)).min(1.0))
+    }
 }
 
 /// Schlick's curve with its own F0 and F90 over refraction by a given index, as material models with an artist's
@@ -112,6 +138,11 @@ impl Interface for SchlickInterface {
         }
         let cos2_t = 1.0 - (1.0 - c) * (1.0 + c) / (self.eta * self.eta);
         if cos2_t > 0.0 { self.schlick.eval(cos2_t.sqrt()) } else { Spectrum::ONE }
+    }
+
+    #[inline(always)]
+    fn reflect_between(&self, near: f32, far: f32) -> Spectrum {
+        self.schlick.eval(if self.eta >= 1.0 { near } else { far })
     }
 }
 

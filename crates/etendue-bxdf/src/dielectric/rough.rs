@@ -224,7 +224,10 @@ impl<I: Interface> GgxDielectric<I> {
             return none;
         }
         let len2 = h.length_squared();
-        let split = self.at(oh / len2.sqrt());
+        let inv = 1.0 / len2.sqrt();
+        let (near, far) = ((oh * inv).min(1.0), (-ih * inv).min(1.0));
+        let interface = &self.interface;
+        let split = self.split(interface.reflect_between(near, far), interface.transmit_between(near, far));
         let (to, ti) = (self.ggx.stretched_length(wo), self.ggx.stretched_length(wi));
         let (zo, zi) = (wo.z, -wi.z);
         // D (wo·m)(wi·m) / |h|².

@@ -10,6 +10,8 @@ use crate::{
 use etendue_color::Spectrum;
 use glam::{Vec3A, vec3a};
 
+pub use crate::ggx::anisotropic_alpha;
+
 /// One closure.
 pub struct Subject {
     /// What it is and with which parameters.
@@ -32,14 +34,6 @@ pub fn wo_at(degrees: f32) -> Vec3A {
     let (sin, cos) = (degrees as f64).to_radians().sin_cos();
     let (y, x) = 0.7f64.sin_cos();
     vec3a((sin * x) as f32, (sin * y) as f32, cos as f32)
-}
-
-/// αx and αy of a perceptual roughness and an anisotropy 0..1 (Burley 2012, "Physically Based Shading at Disney",
-/// addenda: aspect = √(1 − 0.9 a), αx = α / aspect, αy = α · aspect).
-pub fn anisotropic_alpha(roughness: f32, anisotropy: f32) -> [f32; 2] {
-    let alpha = roughness * roughness;
-    let aspect = (1.0 - 0.9 * anisotropy).sqrt();
-    [alpha / aspect, alpha * aspect]
 }
 
 /// Lambert and the GGX lobe over roughness × anisotropy, with F = 1 and with a coloured Fresnel.

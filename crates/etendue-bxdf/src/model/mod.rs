@@ -14,6 +14,7 @@ use crate::{
     Lambert,
     bsdf::{Bsdf, BsdfSample, DeltaPart, Eval},
     bssrdf::SubsurfaceParams,
+    dielectric::{Dielectric, DielectricParams, GgxDielectric, ThinSheet, ThinSheetParams},
     diffuse::LambertParams,
     hair::{Hair, HairParams},
     metal_rough::{MetalRough, MetalRoughParams},
@@ -235,10 +236,12 @@ impl Model {
 }
 
 models! {
+    "dielectric" => Dielectric(DielectricParams, GgxDielectric<Dielectric>),
     "hair" => Hair(HairParams, Hair),
     "lambert" => Lambert(LambertParams, Lambert),
     "metal-rough" => MetalRough(MetalRoughParams, MetalRough),
     "subsurface" => Subsurface(SubsurfaceParams, MetalRough),
+    "thin-sheet" => ThinSheet(ThinSheetParams, ThinSheet),
 }
 
 #[cfg(test)]
