@@ -14,8 +14,9 @@
 //! | [`fresnel_term`] | any of these as a type parameter; mean reflectance of a dielectric |
 //! | [`fresnel_average`] | any Fresnel term averaged over the microfacets that a GGX lobe shows |
 //! | [`ggx`] | the Trowbridge-Reitz microfacet lobe, isotropic and anisotropic |
-//! | [`diffuse`] | Lambert |
 //! | [`dielectric`] | glass and thin sheets: light that is reflected and refracted, smooth and rough |
+//! | [`diffuse`] | matte surfaces: Lambert, EON |
+//! | [`sheen`] | fibres: glTF's sheen, OpenPBR's fuzz |
 //! | [`energy`] | the GGX lobe's albedo as a table |
 //! | [`metal_rough`] | glTF 2.0 Appendix B with `KHR_materials_ior` and `KHR_materials_specular` |
 //! | [`gltf`] | the glTF surface with the Khronos material extensions |
@@ -76,15 +77,17 @@ pub mod model;
 pub mod quadrature;
 pub mod reflectance;
 pub mod sampling;
+pub mod sheen;
 pub mod thin_film;
 
 pub use bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS};
 pub use conductor::Conductor;
 pub use dielectric::{GgxDielectric, ThinGgx};
-pub use diffuse::Lambert;
+pub use diffuse::{Lambert, eon::Eon};
 pub use f82::F82Tint;
 pub use fresnel::Schlick;
 pub use fresnel_term::{Dielectric, Fresnel};
 pub use ggx::{Ggx, GgxReflection};
 pub use gltf::GltfParams;
 pub use metal_rough::{Coupling, MetalRough, MetalRoughParams};
+pub use sheen::{Fuzz, Sheen, SheenRow};

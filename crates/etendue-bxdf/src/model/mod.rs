@@ -15,9 +15,13 @@ use crate::{
     bsdf::{Bsdf, BsdfSample, DeltaPart, Eval},
     bssrdf::SubsurfaceParams,
     dielectric::{Dielectric, DielectricParams, GgxDielectric, ThinSheet, ThinSheetParams},
-    diffuse::LambertParams,
+    diffuse::{
+        LambertParams,
+        eon::{Eon, EonParams},
+    },
     hair::{Hair, HairParams},
     metal_rough::{MetalRough, MetalRoughParams},
+    sheen::{Fuzz, FuzzParams, Sheen, SheenParams},
 };
 use etendue_color::Spectrum;
 use glam::Vec3A;
@@ -237,9 +241,12 @@ impl Model {
 
 models! {
     "dielectric" => Dielectric(DielectricParams, GgxDielectric<Dielectric>),
+    "eon" => Eon(EonParams, Eon),
+    "fuzz" => Fuzz(FuzzParams, Fuzz),
     "hair" => Hair(HairParams, Hair),
     "lambert" => Lambert(LambertParams, Lambert),
     "metal-rough" => MetalRough(MetalRoughParams, MetalRough),
+    "sheen" => Sheen(SheenParams, Sheen),
     "subsurface" => Subsurface(SubsurfaceParams, MetalRough),
     "thin-sheet" => ThinSheet(ThinSheetParams, ThinSheet),
 }

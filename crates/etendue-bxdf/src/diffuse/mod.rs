@@ -1,4 +1,13 @@
-//! Light that comes out evenly.
+//! Light that entered a surface and comes out again without a preferred direction.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | here | Lambert's even surface |
+//! | [`eon`] | rough surfaces that keep energy |
+//! | [`cltc`] | how rough diffuse lobes are sampled |
+
+pub mod cltc;
+pub mod eon;
 
 use crate::{
     bsdf::{Bsdf, BsdfSample, Eval, LobeKind, MIN_COS},
