@@ -60,6 +60,10 @@ pub(crate) struct RenderArgs {
     /// Evaluate the model's animation at this time instead of at rest
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = finite, help_heading = "Scene")]
     pub at: Option<f32>,
+    /// Another model instead of the file's materials, for all or the one called NAME (repeatable), e.g. gold, visor=openpbr:coat_weight=1; `etendue lab list` lists models and parameters
+    #[arg(long, value_name = "[NAME=]MODEL[:PARAMETER=VALUE]", help_heading = "Scene")]
+    #[serde(default)]
+    pub material: Vec<String>,
     /// Let the model read files outside its own folder
     #[arg(long, help_heading = "Scene")]
     pub allow_outside: bool,

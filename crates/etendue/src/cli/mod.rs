@@ -7,6 +7,7 @@ mod error;
 mod goal;
 mod info;
 mod load;
+mod material;
 mod merge;
 mod output;
 mod progress;

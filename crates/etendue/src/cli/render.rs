@@ -3,6 +3,7 @@
 use super::args::RenderArgs;
 use super::error::shell_word;
 use super::goal::Goal;
+use super::material::Replacement;
 use super::output::{ARGUMENTS, NAMES, notes, read_film, write_film, write_film_picture};
 use super::report::{Times, report};
 use super::work::{Job, listen_for_interrupts};
@@ -43,6 +44,9 @@ pub(crate) fn run(args: RenderArgs) -> Result<(), CliError> {
     }
     let mut scene = imported.scene;
     scene.environment = environment;
+    for text in &args.material {
+        text.parse::<Replacement>()?.apply(&mut scene)?;
+    }
     let triangles = scene.triangle_count();
     let (camera, size) = load::camera(&args, &scene)?;
     target::check_size(size, args.passes)?;
