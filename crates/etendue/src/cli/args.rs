@@ -28,7 +28,7 @@ pub(crate) enum Command {
     Tonemap(TonemapArgs),
     /// Say what a glTF file holds, and what of it is supported
     Info(InfoArgs),
-    /// Measure build time, rays, samples and time to equal error on fixed scenes
+    /// Measure build time, rays, samples and time to equal error on fixed scenes, and the cost of each model
     Bench(BenchArgs),
 }
 
@@ -238,7 +238,7 @@ pub(crate) struct InfoArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct BenchArgs {
-    /// Only scenes whose name contains this
+    /// Only scenes and models whose name contains this; `models` for all models
     pub filter: Option<String>,
     /// Seconds for each measurement
     #[arg(long, default_value_t = 2.0, value_parser = positive)]

@@ -2,6 +2,7 @@
 
 mod args;
 mod bench;
+mod bench_models;
 mod bench_scenes;
 mod error;
 mod goal;
