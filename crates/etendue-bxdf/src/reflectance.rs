@@ -14,8 +14,8 @@
 //! [`directional_hemispherical`] is a part of the energy, never above 1. Of a closure made for
 //! [`crate::model::Transport::Importance`] the first is a part of the energy too: this is what the furnace law asks.
 //!
-//! Accuracy: the order of the panels rises until the result changes by less than 3e-5, which leaves an error of some
-//! 1e-6 for the lobes of this crate down to α = 1e-4 on either side; perfectly specular parts are exact. One direction
+//! Accuracy: the order of the panels rises until the result changes by less than 1e-4, which leaves an error of some
+//! 1e-5 (mostly 1e-6) for the lobes of this crate down to α = 1e-4 on either side; perfectly specular parts are exact. One direction
 //! takes some milliseconds.
 
 use crate::{

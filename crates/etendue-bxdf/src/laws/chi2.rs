@@ -74,8 +74,8 @@ pub fn chi2<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A, samples: usize, seed: u64) ->
         for ring in 0..rings {
             for sector in 0..PSI_BINS {
                 let psi = |i: usize| i as f64 / PSI_BINS as f64 * TAU;
-                // Within a tenth of the standard deviation of the count in a bin that is pooled with others.
-                let tolerance = 0.1 * LEAST_EXPECTED.sqrt() / n;
+                // What the lower order lacks is a part of the count's own spread; the higher one lacks far less.
+                let tolerance = |mass: f64| 0.3 * (n * mass).max(LEAST_EXPECTED).sqrt() / n;
                 let mass = map.integrate_within(
                     (edges[ring], edges[ring + 1]),
                     (psi(sector), psi(sector + 1)),
