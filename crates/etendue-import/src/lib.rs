@@ -16,7 +16,8 @@
 //! 2. `nodes` checks that the hierarchy is a forest; `buffers` loads the bytes; `accessor` opens typed arrays in them,
 //!    each checked to lie within its buffer before anything is read.
 //! 3. `animation` evaluates the pose; `plan` walks the visible nodes and notes which meshes have to be built, in which
-//!    state of morphing and skinning, for which material, and where they stand. Equal meshes are built once. Here
+//!    state of morphing and skinning, for which materials (the own one and those of variants: `material`, `surface`), and
+//!    where they stand. Equal meshes are built once. Here
 //!    everything is booked against the [`Limits`].
 //! 4. `geometry` builds the meshes (`topology`, `skin`, `clean`, `tangents`) while `texture` decodes the images, on all
 //!    cores.

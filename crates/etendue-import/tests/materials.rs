@@ -6,20 +6,6 @@ use etendue_scene::{AlphaMode, Filter, Material, Wrap};
 use glam::{Vec2, Vec3};
 use serde_json::{Value, json};
 
-/// A triangle with `material`, textures 0 and 1 of the same image.
-fn with(material: Value) -> Model {
-    let mut m = Model::new();
-    let uv = m.floats(&[0., 0., 1., 0., 0., 1.], "VEC2");
-    m.triangle(json!({"TEXCOORD_0": uv, "TEXCOORD_1": uv}));
-    m.json["meshes"][0]["primitives"][0]["material"] = json!(0);
-    m.push("images", json!({"uri": data_uri(&png())}));
-    m.push("samplers", json!({"wrapS": 33071, "wrapT": 33648, "magFilter": 9728, "minFilter": 9987}));
-    m.push("textures", json!({"source": 0}));
-    m.push("textures", json!({"source": 0, "sampler": 0}));
-    m.push("materials", material);
-    m
-}
-
 fn material(json: Value) -> Material {
     with(json).import().scene.materials[0].clone()
 }

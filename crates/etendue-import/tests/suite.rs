@@ -4,6 +4,7 @@
 //! prints the tables.
 mod common;
 use etendue_import::{AnimationChoice, ImportError, ImportOptions, import, import_bytes};
+use etendue_scene::Extensions;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -68,6 +69,99 @@ fn every_model_loads_or_names_what_it_requires() {
     }
     println!("{} models: {shown} shown, {refused} refused for what they require", files.len());
     assert!(shown >= 127, "{shown} of {}", files.len());
+}
+
+/// Per extension: the key that switches it on, and whether the material has it.
+type Switch = (&'static str, &'static str, fn(&Extensions) -> bool);
+const SWITCHES: [Switch; 7] = [
+    ("anisotropy", "anisotropyStrength", |e| e.anisotropy.is_some()),
+    ("clearcoat", "clearcoatFactor", |e| e.clearcoat.is_some()),
+    ("diffuse_transmission", "diffuseTransmissionFactor", |e| e.diffuse_transmission.is_some()),
+    ("iridescence", "iridescenceFactor", |e| e.iridescence.is_some()),
+    ("sheen", "sheenColorFactor", |e| e.sheen.is_some()),
+    ("transmission", "transmissionFactor", |e| e.transmission.is_some()),
+    ("volume", "thicknessFactor", |e| e.volume.is_some()),
+];
+
+/// The document of a glTF or GLB file.
+fn document(file: &Path) -> Value {
+    let bytes = std::fs::read(file).unwrap();
+    let json = match bytes.strip_prefix(b"glTF") {
+        Some(rest) => {
+            let length = u32::from_le_bytes(rest[8..12].try_into().unwrap()) as usize;
+            &rest[16..16 + length]
+        }
+        None => &bytes[..],
+    };
+    serde_json::from_slice(json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json)).unwrap()
+}
+
+/// The extensions that material `d` of a file switches on.
+fn switched_on(d: &Value) -> Vec<&'static str> {
+    let extension = |name: &str| &d["extensions"][format!("KHR_materials_{name}")];
+    let on = |v: &Value| v.as_f64().is_some_and(|v| v > 0.0);
+    if extension("unlit").is_object() {
+        return Vec::new();
+    }
+    if extension("pbrSpecularGlossiness").is_object() {
+        return vec!["pbrSpecularGlossiness"];
+    }
+    let mut out: Vec<&str> = SWITCHES
+        .iter()
+        .filter(|(name, key, _)| {
+            let value = &extension(name)[key];
+            on(value) || value.as_array().is_some_and(|v| v.iter().any(on))
+        })
+        .map(|s| s.0)
+        .collect();
+    let lets_light_in = out.iter().any(|n| n.ends_with("transmission"));
+    out.retain(|n| *n != "volume" || lets_light_in);
+    let refracts = out.contains(&"transmission") && out.contains(&"volume");
+    out.extend((refracts && on(&extension("dispersion")["dispersion"])).then_some("dispersion"));
+    out
+}
+
+/// A material has an extension if and only if the file switches it on, and no warning says that one is not supported.
+#[test]
+fn material_extensions_arrive() {
+    let Some(folder) = assets("models") else { return };
+    let (mut compared, mut present) = (0, 0);
+    for file in models(&folder) {
+        let Ok(i) = import(&file, &ImportOptions::default()) else { continue };
+        let doc = document(&file);
+        let root = doc["extensions"]["KHR_materials_variants"]["variants"].as_array();
+        assert_eq!(i.scene.variants.len(), root.map_or(0, Vec::len), "{}", file.display());
+        let described: Vec<&Value> = doc["materials"].as_array().into_iter().flatten().collect();
+        let mut found: BTreeMap<&str, u32> = BTreeMap::new();
+        for m in &i.scene.materials {
+            let e = m.extensions.as_deref().cloned().unwrap_or_default();
+            // The scene has only the materials that are used: they are told by their names, where there are some.
+            let named_alike = described.iter().filter(|d| d["name"].as_str().unwrap_or("") == m.name);
+            let candidates: Vec<Vec<&str>> = named_alike.map(|d| switched_on(d)).collect();
+            let mut has: Vec<&str> = SWITCHES.iter().filter(|(_, _, has)| has(&e)).map(|s| s.0).collect();
+            has.extend(e.specular_glossiness.is_some().then_some("pbrSpecularGlossiness"));
+            has.extend((e.dispersion > 0.0).then_some("dispersion"));
+            assert!(candidates.contains(&has), "{}: {}: {has:?} {candidates:?}", file.display(), m.name);
+            compared += 1;
+            present += has.len();
+            has.iter().for_each(|&name| *found.entry(name).or_default() += 1);
+        }
+        if !i.scene.variants.is_empty() {
+            found.insert("variants", i.scene.variants.len() as u32);
+        }
+        let about: Vec<String> = i
+            .warnings
+            .iter()
+            .map(ToString::to_string)
+            .filter(|w| w.contains("KHR_materials") || w.contains("tangents"))
+            .collect();
+        if !found.is_empty() || !about.is_empty() {
+            println!("{}: {found:?} {about:?}", file.file_name().unwrap().to_string_lossy());
+        }
+        assert!(!about.iter().any(|w| w.contains("not supported")), "{}: {about:?}", file.display());
+    }
+    println!("{compared} materials with {present} extensions");
+    assert!(present > 150, "{present}");
 }
 
 /// Triangle counts in the assets' manifest come from another program.

@@ -1,6 +1,8 @@
 //! Makes small glTF files in memory.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+pub mod surfaces;
+
 use etendue_import::{ImportError, ImportOptions, Imported, import_bytes};
 use serde_json::{Value, json};
 
@@ -207,4 +209,18 @@ fn crc(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0u32, |c, &b| {
         (0..8).fold(c ^ u32::from(b), |c, _| if c & 1 == 1 { c >> 1 ^ 0xedb8_8320 } else { c >> 1 })
     })
+}
+
+/// A triangle with `material`, textures 0 and 1 of the same image.
+pub fn with(material: Value) -> Model {
+    let mut m = Model::new();
+    let uv = m.floats(&[0., 0., 1., 0., 0., 1.], "VEC2");
+    m.triangle(json!({"TEXCOORD_0": uv, "TEXCOORD_1": uv}));
+    m.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    m.push("images", json!({"uri": data_uri(&png())}));
+    m.push("samplers", json!({"wrapS": 33071, "wrapT": 33648, "magFilter": 9728, "minFilter": 9987}));
+    m.push("textures", json!({"source": 0}));
+    m.push("textures", json!({"source": 0, "sampler": 0}));
+    m.push("materials", material);
+    m
 }

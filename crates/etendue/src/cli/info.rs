@@ -168,6 +168,18 @@ fn text(imported: &Imported) -> String {
         })
         .collect();
     table(&mut out, "images", &rows);
+    let rows: Vec<_> = imported
+        .scene
+        .variants
+        .iter()
+        .enumerate()
+        .map(|(i, v)| {
+            let count = v.materials.len();
+            let objects = if count == 1 { "instance" } else { "instances" };
+            vec![i.to_string(), v.name.clone(), format!("other materials on {count} {objects}")]
+        })
+        .collect();
+    table(&mut out, "variants", &rows);
     let rows: Vec<_> = info
         .cameras
         .iter()

@@ -3,7 +3,6 @@
 use super::args::RenderArgs;
 use super::error::shell_word;
 use super::goal::Goal;
-use super::material::Replacement;
 use super::output::{ARGUMENTS, NAMES, notes, read_film, write_film, write_film_picture};
 use super::report::{Times, report};
 use super::work::{Job, listen_for_interrupts};
@@ -44,8 +43,8 @@ pub(crate) fn run(args: RenderArgs) -> Result<(), CliError> {
     }
     let mut scene = imported.scene;
     scene.environment = environment;
-    for text in &args.material {
-        text.parse::<Replacement>()?.apply(&mut scene)?;
+    if let Some(name) = &args.variant {
+        scene.select_variant(name).map_err(CliError::Usage)?;
     }
     let triangles = scene.triangle_count();
     let (camera, size) = load::camera(&args, &scene)?;

@@ -216,3 +216,40 @@ fn cameras_of_the_file_and_of_the_line_agree() {
         .says(&["--up"]);
     lab.run("render --camera 0").ends_with(2).says(&["the file has none"]);
 }
+
+#[test]
+fn variants_of_the_model() {
+    let lab = Lab::new();
+    let names = r#","extensions":{"KHR_materials_variants":{"variants":[{"name":"warm"},{"name":"sea"}]}}"#;
+    let mapping = r#""material":1,"extensions":{"KHR_materials_variants":{"mappings":[{"material":0,"variants":[1]}]}}"#;
+    let blue = r#""materials":[{"pbrMetallicRoughness":{"baseColorFactor":[0,0,1,1],"metallicFactor":0},"doubleSided":true},"#;
+    // Blue stands first in the file and is material 0; red, the model's own, is material 1.
+    let text = triangle(names).replace(r#""material":0"#, mapping).replace(r#""materials":["#, blue);
+    lab.write("sign.gltf", text);
+    let render = "render sign.gltf --env 1,1,1 --size 20x20 --spp 4 --bits 32 --camera 0 -o sign.exr";
+    let is_blue = |options: &str| {
+        lab.ok(&format!("{render} {options}"));
+        let image = lab.exr("sign.exr");
+        let [r, b] = ["R", "B"].map(|c| plane(&image, "", c)[10 * 20 + 10]);
+        assert!(r.max(b) > 0.5 && r.min(b) < 0.2, "{r} {b}");
+        b > r
+    };
+    assert!(!is_blue("") && !is_blue("--variant warm") && is_blue("--variant sea --film sea.film"));
+    // The film knows its variant.
+    lab.ok("render --resume sea.film --spp 5 -o resumed.exr");
+    assert_eq!(lab.film("sea.film").0.samples(), 5);
+    lab.run("render --resume sea.film --spp 6 --variant warm")
+        .ends_with(1)
+        .says(&["--variant", "another picture"]);
+    lab.run(&format!("{render} --variant noon"))
+        .ends_with(2)
+        .says(&["no variant \"noon\"", "\"warm\", \"sea\""]);
+    lab.run("render --variant sea").ends_with(2).says(&["the model has no variants"]);
+    let info = lab.ok("info sign.gltf").out;
+    assert!(
+        info.contains("variants\n") && info.contains("sea") && info.contains("on 1 instance\n"),
+        "{info}"
+    );
+    let v: serde_json::Value = serde_json::from_str(&lab.ok("info sign.gltf --json").out).unwrap();
+    assert_eq!(v["info"]["variants"], serde_json::json!(["warm", "sea"]));
+}
