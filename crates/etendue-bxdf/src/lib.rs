@@ -15,7 +15,7 @@
 //! | [`fresnel_average`] | any Fresnel term averaged over the microfacets that a GGX lobe shows |
 //! | [`ggx`] | the Trowbridge-Reitz microfacet lobe, isotropic and anisotropic |
 //! | [`dielectric`] | glass and thin sheets: light that is reflected and refracted, smooth and rough |
-//! | [`diffuse`] | matte surfaces: Lambert, EON |
+//! | [`diffuse`] | matte surfaces: Lambert, Oren-Nayar, EON, Disney's |
 //! | [`sheen`] | fibres: glTF's sheen, OpenPBR's fuzz |
 //! | [`energy`] | the GGX lobe's albedo as a table |
 //! | [`metal_rough`] | glTF 2.0 Appendix B with `KHR_materials_ior` and `KHR_materials_specular` |
@@ -83,7 +83,7 @@ pub mod thin_film;
 pub use bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS};
 pub use conductor::Conductor;
 pub use dielectric::{GgxDielectric, ThinGgx};
-pub use diffuse::{Lambert, eon::Eon};
+pub use diffuse::{Lambert, disney::DisneyDiffuse, eon::Eon, oren_nayar::OrenNayar};
 pub use f82::F82Tint;
 pub use fresnel::Schlick;
 pub use fresnel_term::{Dielectric, Fresnel};

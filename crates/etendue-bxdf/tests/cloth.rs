@@ -6,8 +6,12 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use etendue_bxdf::{
-    Bsdf, Eon, Fuzz, Sheen, SheenRow,
-    diffuse::eon::{fon_albedo, fon_albedo_fit},
+    Bsdf, DisneyDiffuse, Eon, Fuzz, OrenNayar, Sheen, SheenRow,
+    diffuse::{
+        disney::DisneyPair,
+        eon::{fon_albedo, fon_albedo_fit},
+        oren_nayar::OrenNayarForm,
+    },
     laws::{
         Rng, chi2, furnace,
         grid::{ANGLES, Subject, wo_at},
@@ -20,6 +24,22 @@ use glam::{Vec3A, vec3a};
 
 const ROUGHNESS: [f32; 6] = [0.0, 0.01, 0.1, 0.3, 0.6, 1.0];
 const WHITE: Spectrum = Spectrum::ONE;
+
+const FORMS: [(&str, OrenNayarForm); 3] = [
+    ("qualitative", OrenNayarForm::Qualitative),
+    ("fujii", OrenNayarForm::Fujii),
+    ("fujii-scaled", OrenNayarForm::FujiiScaled),
+];
+
+/// The largest albedo that a lobe claims.
+fn most(name: &str) -> f32 {
+    match name {
+        n if n.starts_with("disney-diffuse") => 1.56,
+        n if n.starts_with("oren-nayar qualitative") => 1.015,
+        n if n.starts_with("oren-nayar fujii ") => 1.029,
+        _ => 1.0 + 1e-3,
+    }
+}
 
 fn full() -> bool {
     std::env::var_os("ETENDUE_FULL").is_some_and(|v| v == "1")
@@ -46,6 +66,13 @@ fn reciprocal() -> Vec<Subject> {
             push(format!("eon {c} roughness {r}"), Box::new(Eon::new(color, r)));
         }
         push(format!("sheen roughness {r}"), Box::new(Sheen::new(WHITE, r)));
+        for (name, form) in FORMS {
+            push(format!("oren-nayar {name} roughness {r}"), Box::new(OrenNayar::new(WHITE, r, form)));
+        }
+        for flat in [0.0, 0.5, 1.0] {
+            let name = format!("disney-diffuse roughness {r} subsurface {flat}");
+            push(name, Box::new(DisneyDiffuse::new(WHITE, r, flat)));
+        }
     }
     out
 }
@@ -92,9 +119,11 @@ fn weights_densities_and_furnaces_agree() {
             assert!(m.pdf_integral <= 1.0 + 2e-4 && m.z < 4.5, "{at}");
             let f = furnace::furnace(&*s.bsdf, wo, samples() / 4, 0x3000 + i as u64);
             let at = format!("{} {angle}°: {f:?}", s.name);
-            assert!(f.albedo.max_element() <= 1.0 + 1e-3 && f.z < 4.5, "{at}");
+            assert!(f.albedo.max_element() <= most(&s.name) && f.z < 4.5, "{at}");
             let error = (f.claimed - f.albedo).map(f32::abs).max_element();
-            assert!(error < 4e-3, "{at}");
+            let near =
+                if s.name.starts_with("disney") && !s.name.ends_with("subsurface 0") { 0.05 } else { 4e-3 };
+            assert!(error < near, "{at}");
             if f.albedo.max_element() > brightest.0 {
                 brightest = (f.albedo.max_element(), s.name.clone());
             }
@@ -130,6 +159,63 @@ fn white_eon_keeps_all_energy() {
             assert!((got - fon_albedo(cos, r)).abs() < 2e-4, "roughness {r} cos {cos}: {got}");
             assert!((got - fon_albedo_fit(cos, r)).abs() < 6e-4, "roughness {r} cos {cos}: {got}");
         }
+    }
+}
+
+/// The two ways to write Disney's diffuse surface are one; the fifth power that retellings lose is there.
+#[test]
+fn disney_diffuse_is_burleys() {
+    let mut rng = Rng::new(3);
+    for _ in 0..2000 {
+        let wo = etendue_bxdf::sampling::uniform_hemisphere(rng.square());
+        let wi = etendue_bxdf::sampling::uniform_hemisphere(rng.square());
+        if wo.z < 1e-3 || wi.z < 1e-3 {
+            continue;
+        }
+        let r = rng.uniform();
+        let pair = DisneyPair::new(wo, wi);
+        let split = pair.lambert() + pair.retro(r);
+        assert!((split - pair.base(r)).abs() < 1e-5 * pair.base(r).max(1.0), "{wo} {wi} {r}");
+        // The formulas in f64, from angles.
+        let (o, i) = (wo.as_dvec3(), wi.as_dvec3());
+        let cos2_d = o.dot((o + i).normalize()).powi(2);
+        let product =
+            |f90: f64| (1.0 + (f90 - 1.0) * (1.0 - i.z).powi(5)) * (1.0 + (f90 - 1.0) * (1.0 - o.z).powi(5));
+        let base = product(0.5 + 2.0 * r as f64 * cos2_d);
+        let flat = 1.25 * (product(r as f64 * cos2_d) * (1.0 / (o.z + i.z) - 0.5) + 0.5);
+        for (subsurface, want) in [(0.0, base), (1.0, flat)] {
+            let got = DisneyDiffuse::new(WHITE, r, subsurface).eval(wo, wi)[0] as f64 * core::f64::consts::PI;
+            assert!((got - want).abs() < 2e-5 * want.max(1.0), "{wo} {wi} {r}: {got} for {want}");
+        }
+    }
+    // Rough and seen at 45°, light from 45° behind the eye: FD90 = 2.5 moves a hundredth only with the fifth power.
+    let w = vec3a(0.5f32.sqrt(), 0.0, 0.5f32.sqrt());
+    let got = DisneyPair::new(w, w).base(1.0);
+    assert!((got - 1.006_49).abs() < 1e-4, "{got}");
+}
+
+/// Oren and Nayar's own formula, from angles.
+#[test]
+fn oren_nayar_is_theirs() {
+    let mut rng = Rng::new(4);
+    for _ in 0..2000 {
+        let [a, b] = rng.square().map(|u| 0.01 + 1.55 * u as f64);
+        let phi = rng.uniform() as f64 * core::f64::consts::TAU;
+        let r = rng.uniform();
+        let wo = vec3a(a.sin() as f32, 0.0, a.cos() as f32);
+        let wi = vec3a((b.sin() * phi.cos()) as f32, (b.sin() * phi.sin()) as f32, b.cos() as f32);
+        let s2 = (r as f64 * core::f64::consts::FRAC_PI_2).powi(2);
+        let ca = 1.0 - 0.5 * s2 / (s2 + 0.33);
+        let cb = 0.45 * s2 / (s2 + 0.09);
+        let want =
+            (ca + cb * phi.cos().max(0.0) * a.max(b).sin() * a.min(b).tan()) * core::f64::consts::FRAC_1_PI;
+        let got = OrenNayar::new(WHITE, r, OrenNayarForm::Qualitative).eval(wo, wi)[0] as f64;
+        assert!((got - want).abs() < 1e-5, "{a} {b} {phi} {r}: {got} for {want}");
+        // Where all light is single scattering, EON is Fujii's scaled form.
+        let (dark, colour) = (1e-4, Spectrum::splat(1e-4));
+        let single = OrenNayar::new(colour, r, OrenNayarForm::FujiiScaled).eval(wo, wi)[0];
+        let eon = Eon::new(colour, r).eval(wo, wi)[0];
+        assert!((single - eon).abs() < 2.0 * dark * dark, "{single} {eon}");
     }
 }
 
@@ -211,7 +297,12 @@ fn no_input_breaks_anything() {
         };
         let (wo, wi): (Vec3A, Vec3A) = (direction(&mut rng), direction(&mut rng));
         let u = four(&mut rng).0;
-        let closures: [&dyn Bsdf; 4] = [
+        let u_extra = number(&mut rng);
+        let closures: [&dyn Bsdf; 8] = [
+            &OrenNayar::new(color, roughness, OrenNayarForm::Qualitative),
+            &OrenNayar::new(color, roughness, OrenNayarForm::Fujii),
+            &OrenNayar::new(color, roughness, OrenNayarForm::FujiiScaled),
+            &DisneyDiffuse::new(color, roughness, u_extra),
             &Eon::new(color, roughness),
             &Sheen::new(color, roughness),
             &Sheen::new(color, roughness).literal(),

@@ -3,11 +3,15 @@
 //! | module | what it holds |
 //! |---|---|
 //! | here | Lambert's even surface |
-//! | [`eon`] | rough surfaces that keep energy |
+//! | [`oren_nayar`] | rough surfaces of grooves, single scattering |
+//! | [`eon`] | the same keeping all energy |
+//! | [`disney`] | Disney's fit to measured surfaces, and its parts |
 //! | [`cltc`] | how rough diffuse lobes are sampled |
 
 pub mod cltc;
+pub mod disney;
 pub mod eon;
+pub mod oren_nayar;
 
 use crate::{
     bsdf::{Bsdf, BsdfSample, Eval, LobeKind, MIN_COS},

@@ -17,7 +17,9 @@ use crate::{
     dielectric::{Dielectric, DielectricParams, GgxDielectric, ThinSheet, ThinSheetParams},
     diffuse::{
         LambertParams,
+        disney::{DisneyDiffuse, DisneyDiffuseParams},
         eon::{Eon, EonParams},
+        oren_nayar::{OrenNayar, OrenNayarParams},
     },
     hair::{Hair, HairParams},
     metal_rough::{MetalRough, MetalRoughParams},
@@ -241,11 +243,13 @@ impl Model {
 
 models! {
     "dielectric" => Dielectric(DielectricParams, GgxDielectric<Dielectric>),
+    "disney-diffuse" => DisneyDiffuse(DisneyDiffuseParams, DisneyDiffuse),
     "eon" => Eon(EonParams, Eon),
     "fuzz" => Fuzz(FuzzParams, Fuzz),
     "hair" => Hair(HairParams, Hair),
     "lambert" => Lambert(LambertParams, Lambert),
     "metal-rough" => MetalRough(MetalRoughParams, MetalRough),
+    "oren-nayar" => OrenNayar(OrenNayarParams, OrenNayar),
     "sheen" => Sheen(SheenParams, Sheen),
     "subsurface" => Subsurface(SubsurfaceParams, MetalRough),
     "thin-sheet" => ThinSheet(ThinSheetParams, ThinSheet),
