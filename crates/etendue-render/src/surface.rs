@@ -203,9 +203,12 @@ impl Surface {
     /// Start of a ray that leaves towards `wi`: off the surface by more than rounding can move it back.
     #[inline(always)]
     pub fn origin(&self, world: &World, wi: Vec3A) -> Vec3A {
-        let from = self.lifted;
-        let distance = from.abs().max_element() * 1e-6 + world.epsilon;
-        from + self.geometric * if wi.dot(self.geometric) >= 0.0 { distance } else { -distance }
+        let distance = self.lifted.abs().max_element() * 1e-6 + world.epsilon;
+        if wi.dot(self.geometric) >= 0.0 {
+            self.lifted + self.geometric * distance
+        } else {
+            self.point - self.geometric * distance
+        }
     }
 }
 

@@ -168,7 +168,11 @@ pub fn cases(model: &Model, settings: &Settings) -> Vec<Case> {
 /// The values at which a parameter is tested apart from its default.
 fn ends(p: &crate::model::Parameter) -> Vec<Value> {
     // An open end is a large number, but one that a user might write.
-    let [low, high] = p.range.map(|v| v.clamp(-1e3, 1e3));
+    let [mut low, high] = p.range.map(|v| v.clamp(-1e3, 1e3));
+    // A fibre's ridges around its axis are nearly lines below this, and the quadrature has no coordinates for them.
+    if p.name == "beta_n" {
+        low = low.max(0.1);
+    }
     match p.default {
         Value::Number(_) => vec![Value::Number(low), Value::Number(high)],
         // Each lane another value, so that an exchange shows.

@@ -23,7 +23,8 @@ pub struct Furnace {
     pub error: Spectrum,
     /// Variance of one sample's weight, by lane: what a path's throughput suffers from this sampling.
     pub variance: Spectrum,
-    /// Largest |sampled − albedo| over lanes, in standard errors (with 2e-5 let in for the quadrature).
+    /// Largest |sampled − albedo| over lanes, in standard errors (with 2e-5 let in for the
+    /// quadrature, and 3 / samples for events too rare to show in the variance).
     pub z: f64,
     /// What [`Bsdf::albedo`] says.
     pub claimed: Spectrum,
@@ -47,7 +48,7 @@ pub fn furnace<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A, samples: usize, seed: u64)
     let mean = first.map(|v| v / n);
     let variance: [f64; 4] = core::array::from_fn(|i| (second[i] / n - mean[i] * mean[i]).max(0.0));
     let error = variance.map(|v| (v / n).sqrt());
-    let z = (0..4).map(|i| mean[i].abs() / (error[i] + 2e-5)).fold(0.0, f64::max);
+    let z = (0..4).map(|i| mean[i].abs() / (error[i] + 2e-5 + 3.0 / n)).fold(0.0, f64::max);
     Furnace {
         albedo,
         sampled: albedo + Spectrum(mean.map(|v| v as f32)),

@@ -1,6 +1,6 @@
 //! Each sample is what `eval` and `pdf` say of it, and `pdf` integrates to what `sample` returns.
 
-use super::Rng;
+use super::{Rng, gamma::upper_regularised};
 use crate::{bsdf::Bsdf, quadrature::pdf_integral};
 use glam::Vec3A;
 
@@ -25,6 +25,8 @@ pub struct Samples {
     pub pdf_integral: f64,
     /// Standard deviations between the two.
     pub z: f64,
+    /// Probability of a difference at least as large, by Poisson's distribution where few samples are on one side.
+    pub p: f64,
 }
 
 /// Draws `samples` directions and compares each with `eval` and `pdf`.
@@ -60,11 +62,38 @@ pub fn samples<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A, samples: usize, seed: u64)
     // The quadrature's own error is let in as 1e-5.
     let sigma = (p * (1.0 - p) / n).sqrt() + 1e-5;
     out.z = (out.continuous - out.pdf_integral).abs() / sigma;
+    let rare = (n * p.min(1.0 - p), n * if p < 0.5 { out.continuous } else { 1.0 - out.continuous });
+    out.p = if rare.0 < 0.01 * n {
+        poisson_p(rare.1.round(), rare.0, 1e-5 * n)
+    } else {
+        upper_regularised(0.5, 0.5 * out.z * out.z)
+    };
     out
+}
+
+/// Two-sided p-value of `k` events where `expected` ± `slack` were expected.
+fn poisson_p(k: f64, expected: f64, slack: f64) -> f64 {
+    // P(X ≥ k) = 1 − Q(k, λ), P(X ≤ k) = Q(k + 1, λ) (Abramowitz, Stegun 26.4.21).
+    let many = if k > 0.0 { 1.0 - upper_regularised(k, expected + slack) } else { 1.0 };
+    let few = upper_regularised(k + 1.0, (expected - slack).max(0.0));
+    (2.0 * many.min(few)).min(1.0)
 }
 
 /// |a − b| relative to the larger; zero for two zeros.
 fn relative(a: f32, b: f32) -> f64 {
     let larger = a.abs().max(b.abs()) as f64;
     if larger == 0.0 { 0.0 } else { ((a as f64) - (b as f64)).abs() / larger }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rare_events_are_judged_by_poisson() {
+        // e⁻² and 1 − e⁻²(1 + 2 + 2): no event, and three or more, of two expected.
+        assert!((poisson_p(0.0, 2.0, 0.0) - 2.0 * 0.135_335).abs() < 1e-5);
+        assert!((poisson_p(3.0, 2.0, 0.0) - 2.0 * 0.323_324).abs() < 1e-5);
+        assert!(poisson_p(30.0, 2.0, 0.0) < 1e-12 && poisson_p(30.0, 2.0, 30.0) == 1.0);
+    }
 }

@@ -237,7 +237,7 @@ pub fn measure(case: &Case, settings: &Settings) -> Vec<Cell> {
         );
         push(Law::Weights, at, Claim::Holds, if m.broken { f64::INFINITY } else { worst }, note);
         let note = format!("∫pdf {:.6}, {:.6} of the samples", m.pdf_integral, m.continuous);
-        push(Law::Density, at, Claim::Holds, normal_p(m.z), note);
+        push(Law::Density, at, Claim::Holds, m.p, note);
 
         let f = furnace(&closure, wo, (n / 4).max(1_000), seed ^ 0xa5);
         let note =

@@ -131,15 +131,12 @@ impl HalfVectorMap {
 
 #[cfg(test)]
 mod tests {
-    use super::{
-        super::{ORDER, gauss_legendre},
-        *,
-    };
+    use super::{super::gauss_legendre, *};
     use core::f64::consts::PI;
 
     #[test]
     fn the_map_covers_the_hemisphere_once() {
-        let nodes = gauss_legendre(ORDER);
+        let nodes = gauss_legendre(6);
         for angle in [0.0f32, 30.0, 60.0, 85.0, 89.0] {
             let (sin, cos) = angle.to_radians().sin_cos();
             let wo = Vec3A::new(sin * 0.6, sin * 0.8, cos);

@@ -28,7 +28,7 @@ pub(crate) enum Command {
     Tonemap(TonemapArgs),
     /// Say what a glTF file holds, and what of it is supported
     Info(InfoArgs),
-    /// Measure build time, rays, samples and time to equal error on fixed scenes
+    /// Measure build time, rays, samples and time to equal error on fixed scenes, and the cost of each model
     Bench(BenchArgs),
 }
 
@@ -63,6 +63,10 @@ pub(crate) struct RenderArgs {
     /// One of the model's sets of materials, by name (`etendue info` lists them) [default: the model's own]
     #[arg(long, value_name = "NAME", help_heading = "Scene")]
     pub variant: Option<String>,
+    /// Another model instead of the file's materials, for all or the one called NAME (repeatable), e.g. gold, visor=openpbr:coat_weight=1; `etendue lab list` lists models and parameters
+    #[arg(long, value_name = "[NAME=]MODEL[:PARAMETER=VALUE]", help_heading = "Scene")]
+    #[serde(default)]
+    pub material: Vec<String>,
     /// Let the model read files outside its own folder
     #[arg(long, help_heading = "Scene")]
     pub allow_outside: bool,
@@ -237,7 +241,7 @@ pub(crate) struct InfoArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct BenchArgs {
-    /// Only scenes whose name contains this
+    /// Only scenes and models whose name contains this; `models` for all models
     pub filter: Option<String>,
     /// Seconds for each measurement
     #[arg(long, default_value_t = 2.0, value_parser = positive)]

@@ -1,6 +1,7 @@
 //! `etendue bench`: how fast, on fixed scenes. It prints figures; nothing here passes or fails.
 
 use super::args::BenchArgs;
+use super::bench_models::{self, Cost};
 use super::bench_scenes::{BenchScene, all};
 use super::output::{count, peak_memory};
 use super::{CliError, say};
@@ -16,10 +17,12 @@ use std::time::Instant;
 const SIDE: u32 = 512;
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), CliError> {
-    let scenes = all(args.filter.as_deref().unwrap_or(""))?;
-    if scenes.is_empty() {
+    let filter = args.filter.as_deref().unwrap_or("");
+    let scenes = all(filter)?;
+    let costs = models(filter, f64::from(args.seconds), args.json);
+    if scenes.is_empty() && costs.is_empty() {
         return Err(CliError::Usage(
-            "no scene has that name; there are helmet, room, soup, lights, forest".into(),
+            "no scene or model has that name; there are helmet, room, soup, lights, forest, models and each model".into(),
         ));
     }
     let mut report = Vec::new();
@@ -30,11 +33,27 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), CliError> {
     }
     let memory = peak_memory();
     if args.json {
-        say(&json!({ "threads": rayon::current_num_threads(), "scenes": report, "peak_memory_bytes": memory }).to_string());
+        say(&json!({ "threads": rayon::current_num_threads(), "scenes": report, "models": costs, "peak_memory_bytes": memory }).to_string());
     } else if let Some(m) = memory {
         say(&format!("\npeak memory {} MiB", m >> 20));
     }
     Ok(())
+}
+
+/// The models' costs: all of them for `models` or no filter.
+fn models(filter: &str, seconds: f64, quiet: bool) -> Vec<Cost> {
+    let filter = if filter == "models" { "" } else { filter };
+    // A tenth: there are many, and each call takes little.
+    let costs = bench_models::measure(filter, seconds * 0.1);
+    if !quiet && !costs.is_empty() {
+        say("\nmodels, one thread, over random parameters   closure   eval+pdf     sample      bytes");
+        for c in &costs {
+            let row =
+                format!("{:>7.1} ns {:>7.1} ns {:>7.1} ns {:>10}", c.closure, c.eval_pdf, c.sample, c.bytes);
+            say(&format!("  {:<42}{row}", c.model));
+        }
+    }
+    costs
 }
 
 fn measure(mut b: BenchScene, seconds: f64, quiet: bool) -> Result<Value, CliError> {

@@ -2,11 +2,13 @@
 
 mod args;
 mod bench;
+mod bench_models;
 mod bench_scenes;
 mod error;
 mod goal;
 mod info;
 mod load;
+mod material;
 mod merge;
 mod output;
 mod progress;
