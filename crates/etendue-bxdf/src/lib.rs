@@ -29,7 +29,6 @@
 //! | [`quadrature`] | integrals over directions on both sides of a surface: maps, panels, total density |
 //! | [`reflectance`] | the reflectances of Nicodemus 1977, reflection and transmission apart |
 //! | [`thin_film`] | colours of films: Airy's sum, and its mean over three colours |
-//! | [`quadrature`] | integrals over directions: albedo, total density |
 //! | [`laws`] | χ², furnace, reciprocity, as code to run on any closure |
 //!
 //! # Example
@@ -90,6 +89,6 @@ pub use f82::F82Tint;
 pub use fresnel::Schlick;
 pub use fresnel_term::{Dielectric, Fresnel};
 pub use ggx::{Ggx, GgxReflection};
-pub use gltf::GltfParams;
+pub use gltf::{Gltf, GltfParams};
 pub use metal_rough::{Coupling, MetalRough, MetalRoughParams};
 pub use sheen::{Fuzz, Sheen, SheenRow};

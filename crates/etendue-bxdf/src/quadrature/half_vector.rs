@@ -60,11 +60,14 @@ impl HalfVectorMap {
     fn psi_breaks(&self) -> Vec<f64> {
         // a(ψ) = 0, and the quarter turns between.
         let zero = (-(self.ax * self.wo.x)).atan2(self.ay * self.wo.y);
+        // Across a lobe that is wide one way and narrow the other the horizon moves within the ratio of the two.
+        let aspect = (self.ax / self.ay).max(self.ay / self.ax);
+        let levels = 10 + aspect.log2().max(0.0).min(30.0) as i32;
         let mut breaks = vec![0.0, TAU];
         for quarter in 0..4 {
             let at = zero + quarter as f64 * FRAC_PI_2;
             breaks.push(at.rem_euclid(TAU));
-            for j in 1..10 {
+            for j in 1..levels {
                 let d = FRAC_PI_2 * 0.5f64.powi(j);
                 breaks.push((at + d).rem_euclid(TAU));
                 breaks.push((at - d).rem_euclid(TAU));
