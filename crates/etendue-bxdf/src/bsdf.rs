@@ -139,3 +139,39 @@ pub trait Bsdf {
         None
     }
 }
+
+/// A borrowed scattering function is one: how materials that own tables become closures.
+impl<B: Bsdf + ?Sized> Bsdf for &B {
+    #[inline]
+    fn eval_pdf(&self, wo: Vec3A, wi: Vec3A) -> Eval {
+        (**self).eval_pdf(wo, wi)
+    }
+    #[inline]
+    fn sample(&self, wo: Vec3A, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        (**self).sample(wo, uc, u)
+    }
+    #[inline]
+    fn albedo(&self, wo: Vec3A) -> Spectrum {
+        (**self).albedo(wo)
+    }
+    #[inline]
+    fn eval(&self, wo: Vec3A, wi: Vec3A) -> Spectrum {
+        (**self).eval(wo, wi)
+    }
+    #[inline]
+    fn pdf(&self, wo: Vec3A, wi: Vec3A) -> f32 {
+        (**self).pdf(wo, wi)
+    }
+    #[inline]
+    fn deltas(&self, wo: Vec3A) -> [Option<DeltaPart>; 2] {
+        (**self).deltas(wo)
+    }
+    #[inline]
+    fn narrowest_alpha(&self) -> [f32; 2] {
+        (**self).narrowest_alpha()
+    }
+    #[inline]
+    fn refraction(&self) -> Option<f32> {
+        (**self).refraction()
+    }
+}

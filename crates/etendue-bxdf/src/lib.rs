@@ -21,6 +21,7 @@
 //! | [`metal_rough`] | glTF 2.0 Appendix B with `KHR_materials_ior` and `KHR_materials_specular` |
 //! | [`gltf`] | the glTF surface with the Khronos material extensions |
 //! | [`hair`] | fibres of hair and fur |
+//! | [`measured`] | materials as tables from files |
 //! | [`microfacet`] | other distributions of normals and masking terms, and the lobe that they make |
 //! | [`model`] | the whole models by name, with their parameters |
 //! | [`ior_table`] | measured metals and dielectrics by name |
@@ -72,6 +73,7 @@ mod ior_metals;
 pub mod ior_table;
 pub mod laws;
 pub mod math;
+pub mod measured;
 pub mod metal_rough;
 pub mod microfacet;
 pub mod model;
