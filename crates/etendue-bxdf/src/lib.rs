@@ -23,6 +23,8 @@
 //! | [`hair`] | fibres of hair and fur |
 //! | [`measured`] | materials as tables from files |
 //! | [`microfacet`] | other distributions of normals and masking terms, and the lobe that they make |
+//! | [`rough_conductor`] | metals by name, index or colours |
+//! | [`classic`] | what shaders compute: Cook-Torrance, Phong, Blinn-Phong |
 //! | [`model`] | the whole models by name, with their parameters |
 //! | [`ior_table`] | measured metals and dielectrics by name |
 //! | [`math`] | elementary functions with the same bits on each platform |
@@ -58,6 +60,7 @@
 
 pub mod bsdf;
 pub mod bssrdf;
+pub mod classic;
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
@@ -79,6 +82,7 @@ pub mod microfacet;
 pub mod model;
 pub mod quadrature;
 pub mod reflectance;
+pub mod rough_conductor;
 pub mod sampling;
 pub mod sheen;
 pub mod thin_film;

@@ -98,6 +98,15 @@ impl Distribution for Ggx {
     }
 }
 
+/// αx and αy of a perceptual roughness and an anisotropy, both clamped to 0..1, NaN to 0 (Burley 2012, "Physically Based
+/// Shading at Disney", section 5.4: aspect = √(1 − 0.9 a), αx = r² / aspect, αy = r² · aspect).
+#[inline(always)]
+pub fn burley_alpha(roughness: f32, anisotropy: f32) -> [f32; 2] {
+    let (r, a) = (roughness.max(0.0).min(1.0), anisotropy.max(0.0).min(1.0));
+    let aspect = (1.0 - 0.9 * a).sqrt();
+    [r * r / aspect, r * r * aspect]
+}
+
 /// A vector over its length.
 #[inline(always)]
 fn normalized(v: Vec3A) -> Vec3A {

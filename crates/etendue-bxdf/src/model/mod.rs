@@ -14,6 +14,9 @@ use crate::{
     Lambert,
     bsdf::{Bsdf, BsdfSample, DeltaPart, Eval},
     bssrdf::SubsurfaceParams,
+    classic::{
+        BlinnPhongParams, BlinnPhongSurface, CookTorrance, CookTorranceParams, PhongParams, PhongSurface,
+    },
     dielectric::{Dielectric, DielectricParams, GgxDielectric, ThinSheet, ThinSheetParams},
     diffuse::{
         LambertParams,
@@ -24,6 +27,7 @@ use crate::{
     gltf::{Gltf, GltfParams},
     hair::{Hair, HairParams},
     metal_rough::{MetalRough, MetalRoughParams},
+    rough_conductor::{ConductorParams, GgxConductor, MetalFresnel},
     sheen::{Fuzz, FuzzParams, Sheen, SheenParams},
 };
 use etendue_color::Spectrum;
@@ -243,6 +247,9 @@ impl Model {
 }
 
 models! {
+    "blinn-phong" => BlinnPhong(BlinnPhongParams, BlinnPhongSurface),
+    "conductor" => Conductor(ConductorParams, GgxConductor<MetalFresnel>),
+    "cook-torrance" => CookTorrance(CookTorranceParams, CookTorrance),
     "dielectric" => Dielectric(DielectricParams, GgxDielectric<Dielectric>),
     "disney-diffuse" => DisneyDiffuse(DisneyDiffuseParams, DisneyDiffuse),
     "eon" => Eon(EonParams, Eon),
@@ -252,6 +259,7 @@ models! {
     "lambert" => Lambert(LambertParams, Lambert),
     "metal-rough" => MetalRough(MetalRoughParams, MetalRough),
     "oren-nayar" => OrenNayar(OrenNayarParams, OrenNayar),
+    "phong" => Phong(PhongParams, PhongSurface),
     "sheen" => Sheen(SheenParams, Sheen),
     "subsurface" => Subsurface(SubsurfaceParams, MetalRough),
     "thin-sheet" => ThinSheet(ThinSheetParams, ThinSheet),
