@@ -16,6 +16,7 @@
 //! | [`ggx`] | the Trowbridge-Reitz microfacet lobe, isotropic and anisotropic |
 //! | [`dielectric`] | glass and thin sheets: light that is reflected and refracted, smooth and rough |
 //! | [`diffuse`] | matte surfaces: Lambert, Oren-Nayar, EON, Disney's |
+//! | [`disney`] | Disney's BRDF of 2012 and BSDF of 2015 |
 //! | [`sheen`] | fibres: glTF's sheen, OpenPBR's fuzz |
 //! | [`energy`] | the GGX lobe's albedo as a table |
 //! | [`metal_rough`] | glTF 2.0 Appendix B with `KHR_materials_ior` and `KHR_materials_specular` |
@@ -64,6 +65,7 @@ pub mod classic;
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
+pub mod disney;
 pub mod energy;
 pub mod f82;
 pub mod fresnel;
@@ -91,6 +93,7 @@ pub use bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS};
 pub use conductor::Conductor;
 pub use dielectric::{GgxDielectric, ThinGgx};
 pub use diffuse::{Lambert, disney::DisneyDiffuse, eon::Eon, oren_nayar::OrenNayar};
+pub use disney::{DisneyBrdf, DisneyBsdf};
 pub use f82::F82Tint;
 pub use fresnel::Schlick;
 pub use fresnel_term::{Dielectric, Fresnel};

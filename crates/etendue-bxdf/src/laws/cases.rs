@@ -100,6 +100,32 @@ pub type Named = (&'static str, &'static str, &'static [(&'static str, &'static 
 
 /// Combinations in which features act together.
 pub const NAMED: &[Named] = &[
+    (
+        "disney-brdf",
+        "everything on",
+        &[
+            ("subsurface", "0.5"),
+            ("specular_tint", "0.5"),
+            ("anisotropic", "0.9"),
+            ("sheen", "1"),
+            ("clearcoat", "1"),
+            ("clearcoat_gloss", "0.5"),
+            ("metallic", "0.3"),
+        ],
+    ),
+    ("disney-bsdf", "coated glass", &[("spec_trans", "0.7"), ("clearcoat", "1"), ("metallic", "0.2")]),
+    (
+        "disney-bsdf",
+        "thin, everything passes",
+        &[
+            ("thin", "true"),
+            ("spec_trans", "0.4"),
+            ("diff_trans", "1.5"),
+            ("flatness", "0.5"),
+            ("sheen", "1"),
+            ("anisotropic", "0.9"),
+        ],
+    ),
     ("metal-rough", "ior 0", &[("ior", "0"), ("specular_color", "0.3,0.6,0.1"), ("base_color", "1")]),
     (
         "metal-rough",
