@@ -33,6 +33,7 @@
 //! | [`quadrature`] | integrals over directions on both sides of a surface: maps, panels, total density |
 //! | [`reflectance`] | the reflectances of Nicodemus 1977, reflection and transmission apart |
 //! | [`thin_film`] | colours of films: Airy's sum, and its mean over three colours |
+//! | [`layered`] | two interfaces and what lies between, by random walk: the measure of layerings |
 //! | [`laws`] | χ², furnace, reciprocity, as code to run on any closure |
 //!
 //! # Example
@@ -77,6 +78,7 @@ pub mod hair;
 mod ior_metals;
 pub mod ior_table;
 pub mod laws;
+pub mod layered;
 pub mod math;
 pub mod measured;
 pub mod metal_rough;
