@@ -104,12 +104,37 @@ impl ModelParams for SubsurfaceParams {
     }
 }
 
+impl SubsurfaceParams {
+    /// The lobe by which light enters the surface where a probe found it.
+    pub fn entry_lobe(&self) -> EntryLobe {
+        EntryLobe::new(self.ior)
+    }
+}
+
 /// Shapes d below this, in metres, are taken as zero: such light leaves where it entered.
 pub const MIN_SHAPE: f32 = 1e-7;
 /// Shapes above this, in metres, are cut to it: with it no product leaves `f32`.
 pub const MAX_SHAPE: f32 = 1e7;
 
 /// The spatial part Sp of a separable BSSRDF at a point: one profile per lane.
+///
+/// ```
+/// use etendue_bxdf::bssrdf::{Subsurface, SubsurfaceParams};
+/// use etendue_color::Spectrum;
+/// use glam::Vec3A;
+///
+/// let skin = Subsurface::new(&SubsurfaceParams {
+///     color: Spectrum::rgb(0.85, 0.55, 0.3),
+///     radius: Spectrum::rgb(0.004, 0.0013, 0.0006),
+///     ..Default::default()
+/// });
+/// // A probe along the normal meets the plane of the surface half way.
+/// let probe = skin.sample_probe(0.1, [0.5, 0.25]).expect("light travels in each lane");
+/// let hit = probe.origin + probe.direction * (0.5 * probe.length);
+/// let found = skin.found(hit, Vec3A::Z);
+/// // What the path's throughput is multiplied by.
+/// assert!((found.value / found.pdf).is_finite() && found.pdf > 0.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Subsurface {
     /// Albedo of the lanes that travel.

@@ -108,6 +108,21 @@ const MIN_BETA: f32 = 0.01;
 
 /// The closure of a fibre at a point.
 ///
+/// ```
+/// use etendue_bxdf::{Bsdf, hair::{Hair, HairParams, Pigment}};
+/// use glam::Vec3A;
+///
+/// let wo = Vec3A::new(0.0, 0.6, 0.8);
+/// let blond = Hair::new(&HairParams {
+///     pigment: Pigment::Melanin,
+///     eumelanin: 0.3,
+///     h: Hair::offset_at(wo),
+///     ..Default::default()
+/// });
+/// let [red, _, blue] = blond.albedo(wo).to_rgb();
+/// assert!(red > blue && red < 1.0);
+/// ```
+///
 /// Not reciprocal (see [`HairParams`]'s claims). Its [`Bsdf::albedo`] is exact: a fibre without absorption returns all light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hair {

@@ -74,6 +74,16 @@ const ALBEDO_NODES: usize = 17;
 
 /// A measured material.
 ///
+/// ```no_run
+/// use etendue_bxdf::{Bsdf, measured::Measured};
+/// use glam::Vec3A;
+///
+/// let bytes = std::fs::read("spectralon.pbsdf")?;
+/// let material = Measured::from_bytes(&bytes)?;
+/// println!("{:?}", (&material).albedo(Vec3A::Z));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// Measurements keep no law exactly: values are neither quite reciprocal nor bounded by an energy of one. Nothing tells surface
 /// reflection from what lies under it, so all of it is called specular. [`Bsdf::albedo`] is an estimate, from
 /// some hundred samples at each of 17 angles (averaged over azimuths), interpolated.
