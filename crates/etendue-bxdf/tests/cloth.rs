@@ -222,6 +222,21 @@ fn oren_nayar_is_theirs() {
     }
 }
 
+/// The most that each form returns of a white sky, at grazing angles, is what its documentation says.
+#[test]
+fn oren_nayar_makes_as_much_light_as_it_says() {
+    let wo = vec3a((1.0f32 - 1e-8).sqrt(), 0.0, 1e-4);
+    for ((name, form), most) in FORMS.into_iter().zip([1.015, 1.029, 1.0]) {
+        let largest = (0..=1000)
+            .map(|i| OrenNayar::new(WHITE, i as f32 / 1000.0, form).albedo(wo)[0])
+            .fold(0.0, f32::max);
+        assert!((largest - most).abs() < 1e-3, "{name}: {largest}");
+        let r = 0.15;
+        let (claimed, exact) = (OrenNayar::new(WHITE, r, form).albedo(wo), OrenNayar::new(WHITE, r, form));
+        assert!((claimed - directional_albedo(&exact, wo)).map(f32::abs).max_element() < 1e-3);
+    }
+}
+
 /// The sheen table against the integral, and the scaling of what lies below.
 #[test]
 fn the_sheen_table_meets_the_integral() {

@@ -63,7 +63,7 @@ pub fn fon_albedo(mu: f32, roughness: f32) -> f32 {
 
 /// The paper's polynomial for [`fon_albedo`] (its listing 1, `approx`), for shaders that have no arc cosine to spare.
 ///
-/// Within 4e-4 of it; a white surface that compensates with it returns 1 ± 5e-4.
+/// Within 4e-4 of it.
 #[inline]
 pub fn fon_albedo_fit(mu: f32, roughness: f32) -> f32 {
     let x = 1.0 - mu.max(0.0).min(1.0);

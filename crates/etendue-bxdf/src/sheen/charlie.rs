@@ -13,7 +13,7 @@
 //! The softening of the terminator (their eq. 4) is left out, as in the extension's text; it is not reciprocal.
 //!
 //! # Where this departs from the extension, and why
-//! Below roughness 0.26 the lobe as written makes light near grazing: white fibres return 1.2 of a white sky at roughness
+//! Below roughness 0.28 the lobe as written makes light near grazing: white fibres return 1.2 of a white sky at roughness
 //! 0.2, 2.1 at 0.1, up to 7 at [`LEAST_ROUGHNESS`] (the generator of the table prints it), because the fit of Λ knows nothing of D's
 //! normalisation there. With E₀ that literal albedo, the lobe here is
 //!
@@ -36,8 +36,8 @@ use core::f32::consts::{LOG2_E, TAU};
 use etendue_color::Spectrum;
 use glam::Vec3A;
 
-/// The least roughness: α = 1e-3. Below it the lobe is a sheet within two degrees of the horizon, whose light is less than
-/// 1e-3 of what falls on a surface seen from above.
+/// The least roughness: α = 1e-3. Below it the lobe is a sheet within two degrees of the horizon; at it white fibres already
+/// return less than 1e-3 of the light at all angles up to 78°.
 pub const LEAST_ROUGHNESS: f32 = 0.031_622_78;
 
 parameters! {
@@ -146,7 +146,7 @@ impl Sheen {
         }
     }
 
-    /// The lobe as its formulas stand, which makes light near grazing below roughness 0.26; [`Bsdf::albedo`] and [`Sheen::row`]
+    /// The lobe as its formulas stand, which makes light near grazing below roughness 0.28; [`Bsdf::albedo`] and [`Sheen::row`]
     /// stay those of the conserving lobe.
     #[inline]
     pub fn literal(mut self) -> Self {

@@ -16,8 +16,9 @@
 //! same. The sampling is exact: each weight is R times the colour.
 //!
 //! # Where this departs from the fits, and why
-//! A is kept above [`LEAST_A`]. Only roughness below 0.1 is touched, near grazing, where the fits make the lobe a sheet of less
-//! than half a degree above the horizon, thinner than anything that lights it, with R below 1 %; R is as it was.
+//! A is kept above [`LEAST_A`]. Only roughness below 0.1 is touched, near grazing, where the fits make the lobe a sheet of
+//! less than half a degree above the horizon, down to 8e-5 of it, thinner than directions and the lights of a scene can
+//! tell; R, the light in it, is as it was.
 
 use crate::{
     bsdf::{Bsdf, BsdfSample, Eval, LobeKind, MIN_COS},
