@@ -26,6 +26,7 @@
 //! | [`microfacet`] | other distributions of normals and masking terms, and the lobe that they make |
 //! | [`rough_conductor`] | metals by name, index or colours |
 //! | [`classic`] | what shaders compute: Cook-Torrance, Phong, Blinn-Phong |
+//! | [`openpbr`] | OpenPBR 1.1: metal, diffuse, subsurface and glass under film, coat and fuzz |
 //! | [`model`] | the whole models by name, with their parameters |
 //! | [`ior_table`] | measured metals and dielectrics by name |
 //! | [`math`] | elementary functions with the same bits on each platform |
@@ -84,6 +85,7 @@ pub mod measured;
 pub mod metal_rough;
 pub mod microfacet;
 pub mod model;
+pub mod openpbr;
 pub mod quadrature;
 pub mod reflectance;
 pub mod rough_conductor;

@@ -28,6 +28,7 @@ use crate::{
     gltf::{Gltf, GltfParams},
     hair::{Hair, HairParams},
     metal_rough::{MetalRough, MetalRoughParams},
+    openpbr::{OpenPbr, OpenPbrParams},
     rough_conductor::{ConductorParams, GgxConductor, MetalFresnel},
     sheen::{Fuzz, FuzzParams, Sheen, SheenParams},
 };
@@ -261,6 +262,7 @@ models! {
     "hair" => Hair(HairParams, Hair),
     "lambert" => Lambert(LambertParams, Lambert),
     "metal-rough" => MetalRough(MetalRoughParams, MetalRough),
+    "openpbr" => OpenPbr(OpenPbrParams, OpenPbr),
     "oren-nayar" => OrenNayar(OrenNayarParams, OrenNayar),
     "phong" => Phong(PhongParams, PhongSurface),
     "sheen" => Sheen(SheenParams, Sheen),

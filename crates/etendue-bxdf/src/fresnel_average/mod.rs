@@ -10,10 +10,15 @@
 //!
 //! is exact for polynomials F of degree 2 · NODES − 1 (Schlick's is one of degree 5, F82-tint's one of 7) and close for
 //! every smooth F: dielectrics from outside, conductors, thin films. Total reflection, a step in F, is not smooth.
-//! E itself is [`crate::energy`]'s.
+//! E itself is [`crate::energy`]'s for isotropic lobes; those with two widths have a table of their own with E in it,
+//! [`AnisotropicRules`].
 //!
-//! `cargo run --release -p etendue-bxdf --example fresnel_average_table` writes the table anew; a test holds it against
+//! `cargo run --release -p etendue-bxdf --example fresnel_average_table` writes the tables anew; tests hold them against
 //! the integral.
+
+pub mod anisotropic;
+
+pub use anisotropic::AnisotropicRules;
 
 /// Nodes of each rule.
 pub const NODES: usize = 4;
@@ -29,7 +34,7 @@ pub const STRIDE: usize = 2 * NODES - 1;
 const FIRST_ROOT: f32 = 0.1;
 
 /// The table's file: rows of columns of rules, each number a little-endian 16-bit fraction of 65535.
-static BYTES: &[u8; ROWS * COLUMNS * STRIDE * 2] = include_bytes!("fresnel_average.bin");
+static BYTES: &[u8; ROWS * COLUMNS * STRIDE * 2] = include_bytes!("isotropic.bin");
 
 /// The table as numbers, unpacked by the compiler.
 static TABLE: [[f32; STRIDE]; ROWS * COLUMNS] = unpack();
@@ -65,6 +70,17 @@ pub struct Rule {
 }
 
 impl Rule {
+    /// From the numbers of a table's entry: the nodes, then all weights but the last.
+    #[inline(always)]
+    fn unpacked(number: impl Fn(usize) -> f32) -> Self {
+        let cos = core::array::from_fn(&number);
+        let mut weight: [f32; NODES] =
+            core::array::from_fn(|k| if k + 1 < NODES { number(NODES + k) } else { 0.0 });
+        let sum: f32 = weight.iter().sum();
+        weight[NODES - 1] = (1.0 - sum).max(0.0);
+        Self { cos, weight }
+    }
+
     /// The rule of a mirror: all at one angle.
     #[inline(always)]
     pub fn mirror(cos: f32) -> Self {
@@ -105,12 +121,7 @@ impl Rules {
             let high = r[k] + (s[k] - r[k]) * t;
             low + (high - low) * self.fraction
         };
-        let cos = core::array::from_fn(mix);
-        let mut weight: [f32; NODES] =
-            core::array::from_fn(|k| if k + 1 < NODES { mix(NODES + k) } else { 0.0 });
-        let sum: f32 = weight.iter().sum();
-        weight[NODES - 1] = (1.0 - sum).max(0.0);
-        Rule { cos, weight }
+        Rule::unpacked(mix)
     }
 }
 
