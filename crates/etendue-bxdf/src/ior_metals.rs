@@ -36,8 +36,8 @@ pub const METALS: &[Metal] = &[
         symbol: "Au",
         f0: [1.0000, 0.7283, 0.3646],
         f82: [0.9910, 0.8572, 0.6464],
-        eta: [999.7294, 0.5026, 1.4639],
-        k: [1000.0000, 2.2678, 1.7733],
+        eta: [0.0577, 0.5026, 1.4639],
+        k: [6.7091, 2.2678, 1.7733],
         source: "Johnson, Christy 1972, Optical constants of the noble metals",
     },
     Metal {

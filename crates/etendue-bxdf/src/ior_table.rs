@@ -172,6 +172,8 @@ mod tests {
                 // A red at the edge of Rec.709 is held at 0.995, and its F82 cannot be met beside it.
                 let bound = if m.f0[i] > 0.995 { 6e-3 } else { 1e-3 };
                 let (f0, f82) = (exact.eval(1.0)[i], exact.eval(F82_COS)[i]);
+                // No metal has a larger index in visible light.
+                assert!(m.eta[i] > 0.0 && m.eta[i] < 10.0 && m.k[i] < 10.0, "{} {i}", m.name);
                 assert!((f0 - m.f0[i]).abs() < bound, "{} {i}: {f0} {}", m.name, m.f0[i]);
                 assert!((f82 - m.f82[i]).abs() < bound, "{} {i}: {f82} {}", m.name, m.f82[i]);
                 assert!((tint.eval(F82_COS)[i] - m.f82[i]).abs() < 1e-5);
