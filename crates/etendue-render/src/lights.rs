@@ -274,7 +274,7 @@ fn triangle_bounds(world: &World, instance: u32, triangle: u32) -> LightBounds {
     for y in 0..steps {
         for x in 0..steps - y {
             let (u, v) = ((x as f32 + 1.0 / 3.0) / steps as f32, (y as f32 + 1.0 / 3.0) / steps as f32);
-            sum += emitted(world, m, instance, &mut Lookup::new(corners, [1.0 - u - v, u, v]));
+            sum += emitted(world, m, instance, &mut Lookup::new(corners, [1.0 - u - v, u, v]), 1.0);
             count += 1;
         }
     }
@@ -318,7 +318,8 @@ fn triangle_sample(
         return None;
     }
     let corners = world.meshes[i.mesh as usize].indices[triangle as usize];
-    let radiance = emitted(world, m, instance, &mut Lookup::new(corners, w));
+    let cos = facing / twice.length();
+    let radiance = emitted(world, m, instance, &mut Lookup::new(corners, w), cos);
     Some(LightSample { wi, distance, radiance, pdf: probability * d2 / projected, delta: false })
 }
 

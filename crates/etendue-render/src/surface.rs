@@ -3,7 +3,7 @@
 use crate::lookup::Lookup;
 use crate::world::{MeshData, Vertex, World};
 use etendue_bxdf::sampling::basis;
-use etendue_bxdf::{MetalRough, MetalRoughParams};
+use etendue_bxdf::{MetalRough, MetalRoughParams, Schlick};
 use etendue_color::Spectrum;
 use etendue_scene::Material;
 use etendue_trace::Hit;
@@ -157,7 +157,7 @@ impl Surface {
         if !m.is_emissive() || !(self.front || m.double_sided) || world.lights.emitter(hit).is_none() {
             return Spectrum::ZERO;
         }
-        emitted(world, m, hit.instance, &mut self.lookup)
+        emitted(world, m, hit.instance, &mut self.lookup, self.geometric.dot(self.wo))
     }
 
     /// How a surface of glTF's core material scatters.
@@ -212,16 +212,24 @@ impl Surface {
     }
 }
 
-/// Radiance that a point of an emissive triangle sends out.
+/// Radiance that a point of an emissive triangle sends out at an angle of cosine `cos` to the triangle's normal.
 #[inline(always)]
-pub(crate) fn emitted(world: &World, m: &Material, instance: u32, lookup: &mut Lookup) -> Spectrum {
+pub(crate) fn emitted(world: &World, m: &Material, instance: u32, lookup: &mut Lookup, cos: f32) -> Spectrum {
+    let mesh = &world.meshes[world.instances[instance as usize].mesh as usize];
     let mut e = m.emissive;
     if let Some(t) = &m.emissive_texture {
-        let mesh = &world.meshes[world.instances[instance as usize].mesh as usize];
         e *= lookup.srgb(world, mesh, t).truncate();
+    }
+    // What shines below a clear coat has to get through it (KHR_materials_clearcoat, "Emission").
+    if let Some(coat) = m.extensions.as_ref().and_then(|e| e.clearcoat.as_ref()) {
+        let cover = coat.texture.as_ref().map_or(1.0, |t| lookup.linear(world, mesh, t).x) * coat.factor;
+        e *= 1.0 - cover * COAT.eval(cos.abs())[0];
     }
     Spectrum::from_rgb(e.to_array())
 }
+
+/// Reflectance of a clear coat: index 1.5.
+const COAT: Schlick = Schlick { f0: Spectrum::splat(0.04), f90: Spectrum::ONE };
 
 /// How much of a surface is metal.
 fn metallic(m: &Material, world: &World, mesh: &MeshData, lookup: &mut Lookup) -> f32 {
