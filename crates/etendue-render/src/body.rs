@@ -1,8 +1,9 @@
 //! What a material is to a path, decided once for the whole scene.
 
+use crate::extended;
 use crate::skin::Skin;
 use etendue_bxdf::Bsdf;
-use etendue_bxdf::model::{Incidence, Interior};
+use etendue_bxdf::model::{Incidence, Interior, ModelParams};
 use etendue_scene::Material;
 
 /// How a surface's closure is made.
@@ -47,10 +48,20 @@ impl Body {
         let passes = e.transmission.is_some() || e.diffuse_transmission.is_some();
         Self {
             kind: Kind::Extended,
-            interior: None,
+            interior: passes.then(|| interior(m)).flatten(),
             passes,
             skin: None,
             directed: e.anisotropy.is_some() || e.clearcoat.is_some_and(|c| c.normal_texture.is_some()),
         }
     }
+}
+
+/// What fills a glTF body; the same everywhere in it, whatever its textures say of the surface.
+fn interior(m: &Material) -> Option<Interior> {
+    let mut p = extended::factors(m);
+    if m.metallic_roughness_texture.is_some() {
+        // Metal where the texture says so does not let light in; where it says otherwise there is an inside.
+        p.metallic = 0.0;
+    }
+    p.interior()
 }

@@ -98,7 +98,7 @@ impl Surface {
             look.layers(e, &mut p);
             look.surface.turn(world, hit, e, &mut p);
         }
-        Closure::MetalRough(p.metal_rough().closure(at))
+        Closure::Gltf(p.closure(at))
     }
 
     /// Turns the frame to the direction of anisotropy, and finds the coat's normal in it.

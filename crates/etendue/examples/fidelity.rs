@@ -11,6 +11,9 @@
 //! among them is at most the largest distance between two of them; where fewer than two traced paths, all renderers are
 //! taken. Ends with 1 if one scene's is not.
 //!
+//! The pictures of `AnisotropyDiscTest` are square and show more than the camera in `scenarios.json` sees: they are of an
+//! earlier camera, which was found by laying ours over them.
+//!
 //! An orbit's radius of 0 is taken as it stands: the camera is at the target. The one scene that has it
 //! (`MetalRoughSpheresNoTextures`, whose target lies 1 cm in front of spheres of 0.7 mm) is framed so in all its pictures.
 #![forbid(unsafe_code)]
@@ -291,7 +294,7 @@ fn run(args: &Args) -> Result<bool, Box<dyn Error>> {
     let reference = args.assets.join("reference/khronos-render-fidelity");
     let list = reference.join("scenarios.json");
     let text = std::fs::read_to_string(&list).map_err(|e| format!("{}: {e}", list.display()))?;
-    let scenarios: BTreeMap<String, Scenario> = serde_json::from_str(&text)?;
+    let mut scenarios: BTreeMap<String, Scenario> = serde_json::from_str(&text)?;
     if let Some(dir) = &args.out {
         std::fs::create_dir_all(dir)?;
     }
@@ -300,6 +303,9 @@ fn run(args: &Args) -> Result<bool, Box<dyn Error>> {
         false => args.scene.iter().map(String::as_str).collect(),
     };
     let mut beyond = Vec::new();
+    if let Some(s) = scenarios.get_mut("AnisotropyDiscTest") {
+        (s.target, s.orbit.radius) = ([-0.5, 1.0, 0.0], 8.0);
+    }
     for name in names {
         let scenario = scenarios.get(name).ok_or_else(|| format!("there is no scene {name}"))?;
         let (goldens, odd) = goldens(&reference.join(name))?;

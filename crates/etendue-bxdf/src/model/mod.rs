@@ -27,6 +27,7 @@ use crate::{
     disney::{DisneyBrdf, DisneyBrdfParams, DisneyBsdf, DisneyBsdfParams},
     gltf::{Gltf, GltfParams},
     hair::{Hair, HairParams},
+    ior_table,
     metal_rough::{MetalRough, MetalRoughParams},
     openpbr::{OpenPbr, OpenPbrParams},
     rough_conductor::{ConductorParams, GgxConductor, MetalFresnel},
@@ -212,10 +213,15 @@ macro_rules! models {
 impl std::str::FromStr for Model {
     type Err = ParameterError;
 
-    /// A model with parameters: `NAME[:PARAMETER=VALUE]…`, such as `metal-rough:roughness=0.2:base_color=0.9,0.5,0.1`.
+    /// A model with parameters: `NAME[:PARAMETER=VALUE]…`, such as `metal-rough:roughness=0.2:base_color=0.9,0.5,0.1`. The
+    /// name may be a measured material's ([`Model::measured`]): `gold:roughness=0.1`.
     fn from_str(text: &str) -> Result<Self, ParameterError> {
         let mut parts = text.split(':');
-        let mut model = Self::by_name(parts.next().unwrap_or_default().trim())?;
+        let name = parts.next().unwrap_or_default().trim();
+        let mut model = match Self::measured(name) {
+            Some(model) => model,
+            None => Self::by_name(name)?,
+        };
         for part in parts {
             let (name, value) = part.split_once('=').ok_or_else(|| ParameterError::NotAValue {
                 name: model.name().into(),
@@ -229,6 +235,25 @@ impl std::str::FromStr for Model {
 }
 
 impl Model {
+    /// A measured material of [`crate::ior_table`] by name: a metal as `conductor`, anything else as `dielectric` with its
+    /// index and dispersion.
+    pub fn measured(name: &str) -> Option<Self> {
+        match ior_table::by_name(name)? {
+            ior_table::Measured::Metal(metal) => {
+                let mut model = Self::Conductor(ConductorParams::default());
+                let known =
+                    model.parameters().iter().find_map(|p| p.choices.iter().find(|c| **c == metal.name));
+                known.is_some_and(|c| model.set("material", Value::Choice(c))).then_some(model)
+            }
+            ior_table::Measured::Dielectric(d) => Some(Self::Dielectric(DielectricParams {
+                ior: d.ior,
+                // As KHR_materials_dispersion writes the Abbe number.
+                dispersion: d.abbe.map_or(0.0, |v| 20.0 / v),
+                ..DielectricParams::default()
+            })),
+        }
+    }
+
     /// Sets a parameter from text; see [`Parameter::parse`].
     ///
     /// # Errors
@@ -303,6 +328,11 @@ mod tests {
         assert!(unknown.contains("roughness"), "{unknown}");
         let gold: Model = "metal-rough:metallic=1:base_color=0.9,0.5,0.1".parse().expect("a model");
         assert_eq!(gold.get("metallic"), Some(Value::Number(1.0)));
+        for name in ior_table::names() {
+            assert!(Model::measured(name).is_some(), "{name}");
+        }
+        let gold: Model = "gold:roughness=0.1".parse().expect("a metal");
+        assert_eq!(gold.get("material"), Some(Value::Choice("gold")));
         assert!("metal-rough:metallic".parse::<Model>().is_err());
         assert!(Model::by_name("plastic").expect_err("no such model").to_string().contains("lambert"));
     }
