@@ -3,9 +3,10 @@
 //! `cargo run --release -p etendue-bxdf --example speed`
 
 use etendue_bxdf::{
-    Bsdf, MetalRough, MetalRoughParams,
+    Bsdf, Gltf, GltfParams, MetalRough, MetalRoughParams,
     laws::Rng,
     math::sin_cos_tau,
+    model::{Incidence, ModelParams},
     sampling::{cosine_hemisphere, uniform_hemisphere},
 };
 use etendue_color::Spectrum;
@@ -62,6 +63,40 @@ fn main() {
             let b = m.eval_pdf(wo[i], wi[(i + 1) % N]);
             let s = m.sample(wo[i], u[i][0], [u[i][1], u[i][2]]).map_or(0.0, |s| s.weight[0] + s.pdf);
             a.diffuse[0] + a.specular[1] + a.pdf + b.diffuse[0] + b.specular[1] + b.pdf + s
+        });
+    }
+    // What each extension adds.
+    let plain = GltfParams { base_color: Spectrum::rgb(0.8, 0.5, 0.2), roughness: 0.4, ..Default::default() };
+    let metal = GltfParams { metallic: 1.0, ..plain };
+    for (name, p) in [
+        ("gltf plain", plain),
+        ("gltf clearcoat", GltfParams { clearcoat: 1.0, clearcoat_roughness: 0.1, ..plain }),
+        (
+            "gltf sheen",
+            GltfParams { sheen_color: Spectrum::rgb(0.5, 0.5, 0.5), sheen_roughness: 0.4, ..plain },
+        ),
+        ("gltf iridescent metal", GltfParams { iridescence: 1.0, ..metal }),
+        ("gltf iridescent dielectric", GltfParams { iridescence: 1.0, ..plain }),
+        ("gltf anisotropic metal", GltfParams { anisotropy_strength: 0.6, ..metal }),
+        ("gltf anisotropic dielectric", GltfParams { anisotropy_strength: 0.6, ..plain }),
+        ("gltf thin glass", GltfParams { transmission: 1.0, ..plain }),
+        ("gltf solid glass", GltfParams { transmission: 1.0, thickness: 1.0, ..plain }),
+        ("gltf leaf", GltfParams { diffuse_transmission: 0.5, ..plain }),
+    ] {
+        let at = Incidence::default();
+        let closure: Gltf = p.closure(&at);
+        time(&format!("{name}: new"), |_| {
+            black_box(black_box(&p).closure(&at));
+            0.0
+        });
+        time(&format!("{name}: eval_pdf"), |i| {
+            let e = black_box(&closure).eval_pdf(wo[i], wi[i]);
+            e.diffuse[0] + e.specular[1] + e.pdf
+        });
+        time(&format!("{name}: sample"), |i| {
+            black_box(&closure)
+                .sample(wo[i], u[i][0], [u[i][1], u[i][2]])
+                .map_or(0.0, |s| s.weight[0] + s.pdf)
         });
     }
     time("sin_cos_tau", |i| {

@@ -166,6 +166,9 @@ fn samples_of_any_combination_follow_their_density() {
         // Widths that quadrature's bins resolve together.
         p.roughness = 0.25 + 0.75 * p.roughness;
         p.clearcoat_roughness = 0.3 + 0.7 * p.clearcoat_roughness;
+        if i % 3 == 1 {
+            (p.anisotropy_strength, p.transmission) = (0.6, 0.0);
+        }
         if i % 2 == 0 {
             p.clearcoat_normal = vec3a(0.6 * rng.uniform(), 0.6 * rng.uniform() - 0.3, 1.0);
         }
@@ -191,7 +194,9 @@ fn light_may_turn_round() {
         // Through thin sheets and clear boundaries too.
         let diffuse = p.transmission < 1.0 && p.diffuse_transmission > 0.0;
         let solid = p.transmission > 0.0 && p.thickness > 0.0;
-        if !(solid && diffuse) {
+        // A refracted lobe of α = 1e-4 has no more than three digits in `f32`, other ones from the other side.
+        let resolved = p.roughness >= 0.1 || p.roughness == 0.0 && p.anisotropy_strength == 0.0;
+        if resolved && !(solid && diffuse) {
             let (near, far) = (p.closure(&power(true)), p.closure(&power(false)));
             let r = reciprocity::reciprocity_through(&near, &far, Transport::Importance, 400, i as u64);
             assert!(r.error <= 2e-3, "{p:?}: {r:?}");

@@ -14,6 +14,46 @@ struct Film {
     film: ThinFilm,
     dielectric: FilmBase,
     metal: FilmBase,
+    /// The dielectric's largest lane, if its fringes are wide enough for a curve.
+    under: Option<Curve>,
+}
+
+/// Intervals of [`Curve`].
+const INTERVALS: usize = 16;
+
+/// A reflectance over the cosine, from above: Schlick's curve and the difference to it, linear between even steps.
+///
+/// A quarter of the second difference's size is added at each node, twice the error of linear interpolation at such a
+/// curvature: so that what is let in is never more than what is not reflected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Curve {
+    ends: [f32; 2],
+    difference: [f32; INTERVALS + 1],
+}
+
+impl Curve {
+    fn new(f: impl Fn(f32) -> f32) -> Self {
+        let [f0, f90] = [f(1.0), f(0.0)];
+        let raw: [f32; INTERVALS + 1] = core::array::from_fn(|i| {
+            let cos = i as f32 / INTERVALS as f32;
+            f(cos) - (f0 + (f90 - f0) * schlick_weight(cos))
+        });
+        let difference = core::array::from_fn(|i| {
+            let at = i.clamp(1, INTERVALS - 1);
+            raw[i] + 0.25 * (raw[at - 1] - 2.0 * raw[at] + raw[at + 1]).abs()
+        });
+        Self { ends: [f0, f90], difference }
+    }
+
+    #[inline(always)]
+    fn at(&self, cos: f32) -> f32 {
+        let x = cos * INTERVALS as f32;
+        let i = (x as usize).min(INTERVALS - 1);
+        let (a, b) = (self.difference[i], self.difference[i + 1]);
+        let [f0, f90] = self.ends;
+        let value = f0 + (f90 - f0) * schlick_weight(cos) + (a + (b - a) * (x - i as f32));
+        value.max(0.0).min(1.0)
+    }
 }
 
 /// A mix of a dielectric and a metal, each by Schlick's curve, under an optional film.
@@ -64,7 +104,13 @@ impl Facet {
     pub fn with_film(mut self, coverage: f32, ior: f32, thickness: f32, lanes: Lanes) -> Self {
         let film = ThinFilm::new(ior, thickness, 1.0, lanes);
         let (dielectric, metal) = (film.base(self.dielectric_f0), film.base(self.metal_f0));
-        self.film = Some(Film { coverage, film, dielectric, metal });
+        self.film = Some(Film { coverage, film, dielectric, metal, under: None });
+        // The fringes of three colours are wide; those of one wavelength may be narrower than any step.
+        let curve = (lanes == Lanes::Rgb && self.metallic < 1.0)
+            .then(|| Curve::new(|cos| self.dielectric(cos).max_element()));
+        if let Some(f) = &mut self.film {
+            f.under = curve;
+        }
         self
     }
 
@@ -138,10 +184,20 @@ impl Facet {
         plain.lerp(film, f.coverage)
     }
 
+    /// [`Facet::under`] at an angle on the side of the smaller index.
+    #[inline(always)]
+    fn under_outside(&self, cos: f32) -> f32 {
+        match &self.film {
+            None => self.under_f0 + (self.dielectric_f90 - self.under_f0) * schlick_weight(cos),
+            Some(Film { under: Some(curve), .. }) => curve.at(cos),
+            _ => self.dielectric(cos).max_element(),
+        }
+    }
+
     /// The part that does not enter the dielectric, by its largest lane, 0..1.
     #[inline(always)]
     pub fn under(&self, cos: f32) -> f32 {
-        self.outside(cos).map_or(1.0, |c| self.dielectric(c).max_element())
+        self.outside(cos).map_or(1.0, |c| self.under_outside(c))
     }
 }
 
@@ -165,7 +221,7 @@ impl Interface for Facet {
     #[inline(always)]
     fn transmit_between(&self, near: f32, far: f32) -> Spectrum {
         let cos = if self.eta >= 1.0 { near } else { far };
-        Spectrum::splat((1.0 - self.dielectric(cos).max_element()).max(0.0))
+        Spectrum::splat((1.0 - self.under_outside(cos)).max(0.0))
     }
 
     #[inline(always)]

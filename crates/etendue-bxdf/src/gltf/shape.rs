@@ -6,7 +6,7 @@ use crate::{
     fresnel_average::Rules,
     ggx::{ALPHA_DELTA, Ggx},
 };
-use glam::Vec3A;
+use glam::{Vec3A, vec3a};
 
 /// A distribution of microfacets with what the tables say of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +18,26 @@ pub(super) struct Shape {
     rules: Rules,
     isotropic: bool,
 }
+
+/// Sixteen points of a rank-1 lattice (generator 7) in the middle of their cells: a fraction, and cosine and sine of an angle.
+const LATTICE: [[f32; 3]; 16] = [
+    [0.031250, 0.98078528, 0.19509032],
+    [0.468750, 0.83146961, 0.55557023],
+    [0.906250, 0.55557023, 0.83146961],
+    [0.343750, 0.19509032, 0.98078528],
+    [0.781250, -0.19509032, 0.98078528],
+    [0.218750, -0.55557023, 0.83146961],
+    [0.656250, -0.83146961, 0.55557023],
+    [0.093750, -0.98078528, 0.19509032],
+    [0.531250, -0.98078528, -0.19509032],
+    [0.968750, -0.83146961, -0.55557023],
+    [0.406250, -0.55557023, -0.83146961],
+    [0.843750, -0.19509032, -0.98078528],
+    [0.281250, 0.19509032, -0.98078528],
+    [0.718750, 0.55557023, -0.83146961],
+    [0.156250, 0.83146961, -0.55557023],
+    [0.593750, 0.98078528, -0.19509032],
+];
 
 impl Shape {
     /// α along x and y, 0..1.
@@ -68,15 +88,19 @@ impl Shape {
     }
 
     fn mean_of_seen(&self, facet: &Facet, w: Vec3A) -> f32 {
-        let mut sum = 0.0;
         // All four quadrants are alike: one set of facets for all, lest the lattice tell them apart.
         let w = w.abs();
-        for i in 0..16 {
-            // Sixteen points of a rank-1 lattice in the square, in the middle of their cells.
-            let u = [(i as f32 + 0.5) / 16.0, ((7 * i) % 16) as f32 / 16.0 + 1.0 / 32.0];
-            let m = self.ggx.sample_half(w, u);
-            sum += facet.under(w.dot(m));
+        let [ax, ay] = self.ggx.alpha();
+        let stretched = vec3a(ax * w.x, ay * w.y, w.z);
+        let i = stretched * (1.0 / stretched.length_squared().sqrt());
+        let mut sum = 0.0;
+        for [u, cos, sin] in LATTICE {
+            // As `Ggx::sample_half` draws them.
+            let drop = u * (1.0 + i.z);
+            let r = (drop * (2.0 - drop)).max(0.0).sqrt();
+            let m = vec3a(ax * (r * cos + i.x), ay * (r * sin + i.y), (1.0 - drop) + i.z);
+            sum += facet.under(w.dot(m) * (1.0 / m.length_squared().sqrt()));
         }
-        sum * (1.0 / 16.0)
+        sum * (1.0 / LATTICE.len() as f32)
     }
 }

@@ -100,6 +100,28 @@ pub type Named = (&'static str, &'static str, &'static [(&'static str, &'static 
 
 /// Combinations in which features act together.
 pub const NAMED: &[Named] = &[
+    ("gltf", "coated metal", &[("metallic", "1"), ("clearcoat", "1"), ("clearcoat_roughness", "0.2")]),
+    (
+        "gltf",
+        "sheen under a coat",
+        &[
+            ("sheen_color", "1"),
+            ("sheen_roughness", "0.4"),
+            ("clearcoat", "0.5"),
+            ("clearcoat_roughness", "0.3"),
+        ],
+    ),
+    ("gltf", "film on metal", &[("metallic", "1"), ("base_color", "1,0.8,0.3"), ("iridescence", "1")]),
+    ("gltf", "film on a dielectric", &[("iridescence", "1"), ("iridescence_ior", "2")]),
+    ("gltf", "tinted pane", &[("transmission", "1"), ("base_color", "0.9,0.5,0.2")]),
+    ("gltf", "solid glass", &[("transmission", "1"), ("thickness", "1")]),
+    (
+        "gltf",
+        "cloudy glass under a coat",
+        &[("transmission", "0.5"), ("thickness", "1"), ("clearcoat", "1"), ("clearcoat_roughness", "0.3")],
+    ),
+    ("gltf", "leaf", &[("diffuse_transmission", "0.6"), ("base_color", "0.5,0.8,0.2")]),
+    ("gltf", "specular-glossiness", &[("ior", "0"), ("specular_color", "0.3,0.6,0.1")]),
     (
         "disney-brdf",
         "everything on",
