@@ -21,6 +21,7 @@ pub use etendue_bxdf as bxdf;
 pub use etendue_color as color;
 pub use etendue_image as image;
 pub use etendue_import as import;
+pub use etendue_lab as lab;
 pub use etendue_render as render;
 pub use etendue_scene as scene;
 pub use etendue_trace as trace;

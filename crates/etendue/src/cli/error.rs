@@ -100,6 +100,21 @@ pub enum CliError {
     /// The scene contradicts itself: a defect of the importer.
     #[error("the scene is inconsistent: {0}")]
     Scene(#[from] crate::scene::InvalidScene),
+    /// A model or parameter that there is not, or a value that does not fit.
+    #[error(transparent)]
+    #[diagnostic(help("`etendue lab list` lists the models, `etendue lab list MODEL` its parameters"))]
+    Parameter(#[from] crate::bxdf::model::ParameterError),
+    /// A claimed law is broken.
+    #[error("{count} of {cells} cells fail; see {}", report.display())]
+    #[diagnostic(help("the seed and the parameters of each are in the report"))]
+    Laws {
+        /// How many.
+        count: usize,
+        /// Of how many.
+        cells: usize,
+        /// Where they are listed.
+        report: PathBuf,
+    },
     /// Anything else.
     #[error("{0}")]
     Other(String),
@@ -140,7 +155,7 @@ pub(crate) fn shell_word(text: &str) -> String {
 impl CliError {
     /// 2 for wrong usage, 1 for anything else.
     pub fn exit_code(&self) -> u8 {
-        if matches!(self, Self::Usage(_)) { 2 } else { 1 }
+        if matches!(self, Self::Usage(_) | Self::Parameter(_)) { 2 } else { 1 }
     }
 }
 

@@ -7,6 +7,7 @@ mod bench_scenes;
 mod error;
 mod goal;
 mod info;
+mod lab;
 mod load;
 mod material;
 mod merge;
@@ -38,6 +39,7 @@ pub fn main() -> ExitCode {
         Some(Command::Tonemap(a)) => tonemap::run(&a),
         Some(Command::Info(a)) => info::run(&a),
         Some(Command::Bench(a)) => bench::run(&a),
+        Some(Command::Lab(a)) => lab::run(&a),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
