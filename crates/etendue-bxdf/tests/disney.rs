@@ -176,7 +176,8 @@ fn the_claims_state_how_much_light_is_made() {
     let angles: &[f32] =
         if full() { &[0.0, 45.0, 60.0, 70.0, 80.0, 85.0, 88.0, 89.0] } else { &[60.0, 85.0, 89.0] };
     let white = Spectrum::ONE;
-    let mut brightest = [(0.0f32, String::new()), (0.0f32, String::new())];
+    let mut brightest = [const { (0.0f32, String::new()) }; 3];
+    let inside = Incidence { front: false, transport: Transport::Importance, ..Incidence::default() };
     for roughness in [0.0, 0.1, 0.3, 0.6, 1.0] {
         for feature in 0..6 {
             let on = |k: usize| if feature == k || feature == 5 { 1.0 } else { 0.0 };
@@ -199,13 +200,16 @@ fn the_claims_state_how_much_light_is_made() {
                 clearcoat: on(3),
                 ..Default::default()
             };
+            // A body that is hardly clear, from inside: total reflection beside the diffuse lobe.
+            let clear = DisneyBsdfParams { thin: false, spec_trans: 0.01, ..bsdf };
             for &angle in angles {
                 let wo = wo_at(angle);
                 let found = [
                     directional_albedo(&DisneyBrdf::new(&brdf), wo)[0],
                     directional_albedo(&DisneyBsdf::new(&bsdf, &Incidence::default()), wo)[0],
+                    directional_albedo(&DisneyBsdf::new(&clear, &inside), wo)[0],
                 ];
-                for k in 0..2 {
+                for k in 0..3 {
                     if found[k] > brightest[k].0 {
                         brightest[k] =
                             (found[k], format!("roughness {roughness} feature {feature} {angle}°"));
@@ -214,7 +218,8 @@ fn the_claims_state_how_much_light_is_made() {
             }
         }
     }
-    println!("brightest: 2012 {:?}, 2015 {:?}", brightest[0], brightest[1]);
+    println!("brightest: 2012 {:?}, 2015 {:?}, from inside {:?}", brightest[0], brightest[1], brightest[2]);
     assert!((brightest[0].0 - 1.655).abs() < 0.005, "{:?}", brightest[0]);
     assert!((brightest[1].0 - 1.715).abs() < 0.005, "{:?}", brightest[1]);
+    assert!((brightest[2].0 - 2.145).abs() < 0.005, "{:?}", brightest[2]);
 }

@@ -86,7 +86,7 @@ impl ModelParams for DisneyBsdfParams {
     const ABOUT: &'static str = "Disney's BSDF, solid or thin (Burley 2015), literal";
     const CLAIMS: Claims = Claims {
         conserves: Claim::Breaks(
-            "its lobes are added without one knowing of the other: white returns up to 1.72 of a white sky at 89° (roughness 1, every feature on)",
+            "its lobes are added without one knowing of the other: white returns up to 1.72 of a white sky at 89° (roughness 1, every feature on), and up to 2.15 from inside a body that is hardly clear, where total reflection adds to the diffuse lobe",
         ),
         ..Claims::ALL
     };
