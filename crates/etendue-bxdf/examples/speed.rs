@@ -7,6 +7,7 @@ use etendue_bxdf::{
     laws::Rng,
     math::sin_cos_tau,
     model::{Incidence, ModelParams},
+    openpbr::{OpenPbr, OpenPbrParams},
     sampling::{cosine_hemisphere, uniform_hemisphere},
 };
 use etendue_color::Spectrum;
@@ -99,6 +100,45 @@ fn main() {
                 .map_or(0.0, |s| s.weight[0] + s.pdf)
         });
     }
+    let named: [(&str, OpenPbrParams); 5] = [
+        ("openpbr default", OpenPbrParams::default()),
+        ("openpbr metal", OpenPbrParams { base_metalness: 1.0, ..Default::default() }),
+        ("openpbr coated", OpenPbrParams { coat_weight: 1.0, coat_roughness: 0.2, ..Default::default() }),
+        ("openpbr glass", OpenPbrParams { transmission_weight: 1.0, ..Default::default() }),
+        (
+            "openpbr everything",
+            OpenPbrParams {
+                base_metalness: 0.5,
+                transmission_weight: 0.3,
+                subsurface_weight: 0.5,
+                specular_roughness_anisotropy: 0.5,
+                coat_weight: 0.8,
+                coat_roughness: 0.2,
+                coat_color: Spectrum::rgb(0.9, 0.5, 0.2),
+                fuzz_weight: 0.5,
+                thin_film_weight: 0.5,
+                ..Default::default()
+            },
+        ),
+    ];
+    for (name, p) in named {
+        let params: Vec<OpenPbrParams> =
+            (0..N).map(|_| OpenPbrParams { specular_roughness: rng.uniform(), ..p }).collect();
+        let at = Incidence::default();
+        let closures: Vec<OpenPbr> = params.iter().map(|p| OpenPbr::new(p, &at)).collect();
+        time(&format!("{name}: new"), |i| {
+            black_box(OpenPbr::new(black_box(&params[i]), &at));
+            0.0
+        });
+        time(&format!("{name}: eval_pdf"), |i| {
+            let e = closures[i].eval_pdf(wo[i], wi[i]);
+            e.diffuse[0] + e.specular[1] + e.pdf
+        });
+        time(&format!("{name}: sample"), |i| {
+            closures[i].sample(wo[i], u[i][0], [u[i][1], u[i][2]]).map_or(0.0, |s| s.weight[0] + s.pdf)
+        });
+    }
+    println!("openpbr: {} bytes a closure, metal-rough {}", size_of::<OpenPbr>(), size_of::<MetalRough>());
     time("sin_cos_tau", |i| {
         let (s, c) = sin_cos_tau(u[i][0]);
         s + c

@@ -154,6 +154,44 @@ pub const NAMED: &[Named] = &[
         "half metal, red specular",
         &[("metallic", "0.5"), ("specular", "0.5"), ("specular_color", "9,0.2,0.2"), ("base_color", "1")],
     ),
+    (
+        "openpbr",
+        "coated glass with a film, seen through fuzz",
+        &[
+            ("transmission_weight", "0.7"),
+            ("transmission_dispersion_scale", "0.5"),
+            ("coat_weight", "0.8"),
+            ("coat_color", "0.9,0.5,0.2"),
+            ("thin_film_weight", "0.5"),
+            ("fuzz_weight", "0.3"),
+        ],
+    ),
+    (
+        "openpbr",
+        "half metal under a rough, tilted coat",
+        &[
+            ("base_metalness", "0.5"),
+            ("base_diffuse_roughness", "0.5"),
+            ("coat_weight", "1"),
+            ("coat_roughness", "0.4"),
+            ("coat_roughness_anisotropy", "0.5"),
+            ("geometry_coat_normal", "0.2,0.1,1"),
+            ("geometry_coat_tangent", "1,1,0"),
+        ],
+    ),
+    (
+        "openpbr",
+        "sheet, everything passes",
+        &[
+            ("geometry_thin_walled", "true"),
+            ("transmission_weight", "0.5"),
+            ("transmission_color", "0.9,0.6,0.3"),
+            ("subsurface_weight", "0.7"),
+            ("thin_film_weight", "1"),
+            ("coat_weight", "0.5"),
+            ("base_diffuse_roughness", "0.7"),
+        ],
+    ),
 ];
 
 /// The parameter of the grid's roughness, if `model` has one.

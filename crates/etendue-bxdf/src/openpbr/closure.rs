@@ -10,10 +10,11 @@ use super::{
 use crate::{
     bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS},
     dielectric::GgxDielectric,
-    diffuse::eon::Eon,
+    diffuse::{Lambert, eon::Eon},
     fresnel::f0_from_ior,
     ggx::mirror,
     model::Incidence,
+    sampling::cosine_hemisphere,
     sheen::Fuzz,
 };
 use etendue_color::Spectrum;
@@ -54,8 +55,46 @@ struct FuzzLayer {
 /// A diffuse lobe and its factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Matte {
-    lobe: Eon,
+    lobe: MatteLobe,
     scale: Spectrum,
+}
+
+/// Without roughness EON is Lambert's lobe, at a tenth of the cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum MatteLobe {
+    Even(Lambert),
+    Rough(Eon),
+}
+
+impl MatteLobe {
+    #[inline(always)]
+    fn new(color: Spectrum, roughness: f32) -> Self {
+        if roughness == 0.0 { Self::Even(Lambert { color }) } else { Self::Rough(Eon::new(color, roughness)) }
+    }
+
+    #[inline(always)]
+    fn eval_pdf(&self, wo: Vec3A, wi: Vec3A) -> Eval {
+        match self {
+            Self::Even(l) => l.eval_pdf(wo, wi),
+            Self::Rough(l) => l.eval_pdf(wo, wi),
+        }
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3A, uc: f32, u: [f32; 2]) -> Option<Vec3A> {
+        match self {
+            Self::Even(_) => Some(cosine_hemisphere(u)),
+            Self::Rough(l) => l.sample(wo, uc, u).map(|s| s.wi),
+        }
+    }
+
+    #[inline(always)]
+    fn albedo(&self, wo: Vec3A) -> Spectrum {
+        match self {
+            Self::Even(l) => l.color,
+            Self::Rough(l) => l.albedo(wo),
+        }
+    }
 }
 
 /// What lies behind the translucent part.
@@ -491,7 +530,7 @@ impl OpenPbr {
                 }
             },
             _ => {
-                let wi = self.diffuse[part - DIFFUSE].as_ref()?.lobe.sample(wo, uc, u)?.wi;
+                let wi = self.diffuse[part - DIFFUSE].as_ref()?.lobe.sample(wo, uc, u)?;
                 Some((if part == DIFFUSE_THROUGH { turned_over(wi) } else { wi }, false))
             }
         }
@@ -504,7 +543,7 @@ fn mattes(p: &OpenPbrParams, shown: Mix) -> [Option<Matte>; 3] {
     let sigma = unit(p.base_diffuse_roughness);
     let matte = |color: Spectrum, sigma: f32, scale: Spectrum| {
         (shown.opaque > 0.0 && !(scale * color).is_black())
-            .then(|| Matte { lobe: Eon::new(color, sigma), scale })
+            .then(|| Matte { lobe: MatteLobe::new(color, sigma), scale })
     };
     let diffuse =
         matte(p.base_color.map(unit), sigma, Spectrum::splat((1.0 - subsurface) * unit(p.base_weight)));

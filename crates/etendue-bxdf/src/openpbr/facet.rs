@@ -8,7 +8,7 @@ use crate::{
     f82::F82Tint,
     fresnel::{Schlick, dielectric},
     math,
-    thin_film::{Lanes, ThinFilm},
+    thin_film::{FilmView, Lanes, ThinFilm},
 };
 use etendue_color::Spectrum;
 use glam::vec3a;
@@ -164,16 +164,21 @@ impl Facets {
     #[inline(always)]
     pub fn at(&self, cos: f32) -> Facet {
         let black = Spectrum::ZERO;
-        let metal = if self.has.metal { self.metal(cos) } else { black };
-        let opaque = if self.has.opaque { self.boundary(cos, self.opaque_eta) } else { black };
+        let film = self.film.as_ref().map(|f| (f, f.at(cos)));
+        let metal = if self.has.metal { self.metal(cos, &film) } else { black };
+        let opaque = if self.has.opaque { self.boundary(cos, self.opaque_eta, &film) } else { black };
         let (clear, tinted, passed) = match (self.has.clear, &self.sheet) {
             (false, _) => (black, black, black),
             (true, None) => {
-                let r = if self.has.opaque && self.eta >= 1.0 { opaque } else { self.transparent(cos) };
+                let r = if self.has.opaque && self.eta >= 1.0 {
+                    opaque
+                } else {
+                    self.boundary(cos, self.eta, &film)
+                };
                 (r, r * self.tint, black)
             }
             (true, Some(crossing)) => {
-                let r = if self.has.opaque { opaque } else { self.boundary(cos, self.opaque_eta) };
+                let r = if self.has.opaque { opaque } else { self.boundary(cos, self.opaque_eta, &film) };
                 let sheet = Sheet::new(Known(r), crossing.survives(cos));
                 let both = sheet.reflect(cos);
                 (both, r * self.tint + (both - r).max(black), sheet.transmit(cos))
@@ -191,7 +196,7 @@ impl Facets {
     /// One face of the translucent part, seen from above.
     #[inline(always)]
     pub fn transparent(&self, cos: f32) -> Spectrum {
-        self.boundary(cos, self.eta)
+        self.boundary(cos, self.eta, &self.film.as_ref().map(|f| (f, f.at(cos))))
     }
 
     /// The relative index of the dielectric under the coat.
@@ -207,42 +212,44 @@ impl Facets {
     }
 
     #[inline(always)]
-    fn boundary(&self, cos: f32, eta: f32) -> Spectrum {
+    fn boundary(&self, cos: f32, eta: f32, film: &Option<(&Film, FilmView)>) -> Spectrum {
         let bare = Spectrum::splat(boundary(cos, eta));
-        match &self.film {
+        match film {
             None => bare,
-            Some(f) => bare.lerp(f.dielectric(cos), f.weight),
+            Some((f, view)) => bare.lerp(f.dielectric(view), f.weight),
         }
     }
 
     #[inline(always)]
-    fn metal(&self, cos: f32) -> Spectrum {
+    fn metal(&self, cos: f32, film: &Option<(&Film, FilmView)>) -> Spectrum {
         let bare = self.metal.eval(cos);
-        match &self.film {
+        match film {
             None => bare,
-            Some(f) => bare.lerp(f.metal(cos, bare), f.weight),
+            Some((f, view)) => bare.lerp(f.metal(cos, view, bare), f.weight),
         }
     }
 }
 
 impl Film {
-    /// The cosine of the angle at which light meets the film.
-    #[inline(always)]
-    fn cos(&self, cos: f32) -> f32 {
-        if self.bend2 == 1.0 { cos } else { (1.0 - (1.0 - cos * cos) * self.bend2).max(0.0).sqrt() }
+    /// The film under light that meets the surface at an angle of cosine `cos`, bent by what lies above the film.
+    #[inline]
+    fn at(&self, cos: f32) -> FilmView {
+        let cos =
+            if self.bend2 == 1.0 { cos } else { (1.0 - (1.0 - cos * cos) * self.bend2).max(0.0).sqrt() };
+        self.film.at(cos)
     }
 
     #[inline]
-    fn dielectric(&self, cos: f32) -> Spectrum {
-        self.film.at(self.cos(cos)).exact(Spectrum::splat(self.base), Spectrum::ZERO)
+    fn dielectric(&self, view: &FilmView) -> Spectrum {
+        view.exact(Spectrum::splat(self.base), Spectrum::ZERO)
     }
 
     /// The metal of index n + ik whose F0 is the base colour, n as small as that allows (Gulbrandsen 2014, "Artist Friendly
     /// Metallic Fresnel", with an edge tint of one), darkened near grazing angles as the F82-tint curve `bare` is darker
     /// than Schlick's.
     #[inline]
-    fn metal(&self, cos: f32, bare: Spectrum) -> Spectrum {
-        let film = self.film.at(self.cos(cos)).exact(self.metal_n, self.metal_k);
+    fn metal(&self, cos: f32, view: &FilmView, bare: Spectrum) -> Spectrum {
+        let film = view.exact(self.metal_n, self.metal_k);
         let schlick = self.schlick.eval(cos);
         let ratio =
             Spectrum(core::array::from_fn(
