@@ -147,7 +147,7 @@ pub(crate) fn convert(
         specular_color: p.vec3(specular.color, Vec3::ONE, POSITIVE, "specularColorFactor"),
         specular_color_texture,
         extensions: surface.extensions,
-        model: None,
+        substitute: None,
     };
     Ok(out)
 }

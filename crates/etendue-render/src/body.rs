@@ -4,7 +4,7 @@ use crate::extended;
 use crate::skin::Skin;
 use etendue_bxdf::Bsdf;
 use etendue_bxdf::model::{Incidence, Interior, ModelParams};
-use etendue_scene::Material;
+use etendue_scene::{Material, Substitute};
 
 /// How a surface's closure is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,6 +16,8 @@ pub(crate) enum Kind {
     Extended,
     /// A model of another family.
     Model,
+    /// A table from a measurement.
+    Measured,
 }
 
 /// A material as a path sees it.
@@ -34,7 +36,10 @@ pub(crate) struct Body {
 
 impl Body {
     pub fn new(m: &Material) -> Self {
-        if let Some(model) = &m.model {
+        if let Some(Substitute::Measured(_)) = &m.substitute {
+            return Self { kind: Kind::Measured, directed: true, ..Self::default() };
+        }
+        if let Some(Substitute::Model(model)) = &m.substitute {
             let passes = model.closure(&Incidence::default()).refraction().is_some();
             return Self {
                 kind: Kind::Model,

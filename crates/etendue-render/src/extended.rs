@@ -8,7 +8,7 @@ use etendue_bxdf::gltf::GltfParams;
 use etendue_bxdf::math::sin_cos_tau;
 use etendue_bxdf::model::{Closure, Incidence, ModelParams};
 use etendue_color::Spectrum;
-use etendue_scene::{Extensions, Material, TextureRef};
+use etendue_scene::{Extensions, Material, Substitute, TextureRef};
 use etendue_trace::Hit;
 use glam::{Vec3, Vec4};
 
@@ -68,17 +68,21 @@ pub(crate) fn factors(m: &Material) -> GltfParams {
 impl Surface {
     /// How any surface scatters.
     #[inline(always)]
-    pub fn scattering(&mut self, world: &World, hit: &Hit, at: &Incidence) -> Scattering {
+    pub fn scattering<'w>(&mut self, world: &'w World, hit: &Hit, at: &Incidence) -> Scattering<'w> {
         match world.bodies[self.material as usize].kind {
             Kind::Plain => Scattering::Plain(self.plain(world, hit)),
             Kind::Extended | Kind::Model => Scattering::Whole(self.whole(world, hit, at)),
+            Kind::Measured => match &world.scene.materials[self.material as usize].substitute {
+                Some(Substitute::Measured(m)) => Scattering::Measured(m.table()),
+                _ => Scattering::Plain(self.plain(world, hit)),
+            },
         }
     }
 
     #[inline(never)]
     fn whole(&mut self, world: &World, hit: &Hit, at: &Incidence) -> Closure {
         let m = &world.scene.materials[self.material as usize];
-        if let Some(model) = &m.model {
+        if let Some(Substitute::Model(model)) = &m.substitute {
             return model.closure(at);
         }
         let mut p = factors(m);

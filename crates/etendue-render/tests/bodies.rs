@@ -8,7 +8,7 @@ use etendue_bxdf::model::{Incidence, Model, ModelParams};
 use etendue_bxdf::{Bsdf, quadrature::directional_albedo};
 use etendue_color::Spectrum;
 use etendue_render::World;
-use etendue_scene::{Material, Scene};
+use etendue_scene::{Material, Scene, Substitute};
 use glam::{Vec3, Vec3A};
 
 fn world(scene: Scene) -> World {
@@ -16,7 +16,11 @@ fn world(scene: Scene) -> World {
 }
 
 fn of(model: Model) -> Material {
-    Material { model: Some(Box::new(model)), double_sided: true, ..Material::default() }
+    Material {
+        substitute: Some(Substitute::Model(Box::new(model))),
+        double_sided: true,
+        ..Material::default()
+    }
 }
 
 fn skin(albedo: f32, radius: f32) -> SubsurfaceParams {

@@ -12,6 +12,7 @@ mod light;
 mod material;
 mod mesh;
 mod scene;
+mod substitute;
 mod texture;
 
 pub use camera::{Camera, CameraRays, Projection};
@@ -24,4 +25,5 @@ pub use light::{Light, LightKind};
 pub use material::{AlphaMode, Material, NormalTexture};
 pub use mesh::{Instance, Mesh};
 pub use scene::{Bounds, InvalidScene, Scene, Variant};
+pub use substitute::{MeasuredMaterial, Substitute};
 pub use texture::{Filter, Footprint, Sampler, Texture, TextureRef, Wrap};

@@ -1,7 +1,6 @@
 //! Surfaces, in the words of glTF 2.0 and its ratified extensions.
 
-use crate::{Extensions, TextureRef};
-use etendue_bxdf::model::Model;
+use crate::{Extensions, Substitute, TextureRef};
 use glam::Vec3;
 
 /// How the base colour's alpha is read.
@@ -70,9 +69,8 @@ pub struct Material {
     pub specular_color_texture: Option<TextureRef>,
     /// What further extensions add; `None` if the material uses none of them.
     pub extensions: Option<Box<Extensions>>,
-    /// A model of another family that scatters in place of the factors above. Normal map, alpha and emission stay; base
-    /// colour, metalness and roughness are the model's own.
-    pub model: Option<Box<Model>>,
+    /// What scatters in place of the factors above.
+    pub substitute: Option<Substitute>,
 }
 
 impl Default for Material {
@@ -100,7 +98,7 @@ impl Default for Material {
             specular_color: Vec3::ONE,
             specular_color_texture: None,
             extensions: None,
-            model: None,
+            substitute: None,
         }
     }
 }

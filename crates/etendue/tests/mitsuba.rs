@@ -7,7 +7,7 @@
 use etendue::bxdf::model::Model;
 use etendue::image::{DecodeLimits, Image, decode};
 use etendue::render::{Filter, PathOptions, Renderer, Settings, World};
-use etendue::scene::{Camera, Environment, Instance, Light, LightKind, Material, Mesh, Scene};
+use etendue::scene::{Camera, Environment, Instance, Light, LightKind, Material, Mesh, Scene, Substitute};
 use glam::{Affine3A, Vec3};
 use std::path::{Path, PathBuf};
 
@@ -59,7 +59,8 @@ fn scene() -> Scene {
     let mut s = Scene { meshes: vec![sphere()], ..Scene::default() };
     for (i, (y, z, model)) in SPHERES.into_iter().enumerate() {
         let model: Model = model.parse().expect("a model");
-        s.materials.push(Material { model: Some(Box::new(model)), ..Material::default() });
+        s.materials
+            .push(Material { substitute: Some(Substitute::Model(Box::new(model))), ..Material::default() });
         s.instances.push(Instance {
             name: model.name().into(),
             mesh: 0,

@@ -77,6 +77,11 @@ pub trait ModelParams: Parameters {
         None
     }
 
+    /// Radiance that the surface sends out along its normal, of its own.
+    fn emission(&self) -> Spectrum {
+        Spectrum::ZERO
+    }
+
     /// How light travels under the surface; `None` if it leaves where it entered.
     fn subsurface(&self) -> Option<SubsurfaceParams> {
         None
@@ -160,6 +165,11 @@ macro_rules! models {
             #[inline]
             pub fn closure(&self, at: &Incidence) -> Closure {
                 match self { $( Self::$variant(p) => Closure::$variant(p.closure(at)), )* }
+            }
+
+            /// Radiance that the surface sends out along its normal, of its own.
+            pub fn emission(&self) -> Spectrum {
+                match self { $( Self::$variant(p) => p.emission(), )* }
             }
 
             /// How light travels under the surface; see [`ModelParams::subsurface`].

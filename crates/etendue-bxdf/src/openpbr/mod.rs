@@ -51,6 +51,8 @@ pub use medium::{Medium, single_scattering_albedo};
 pub use params::OpenPbrParams;
 
 use crate::model::{Claim, Claims, Incidence, Interior, ModelParams};
+use etendue_color::Spectrum;
+use glam::Vec3A;
 
 impl ModelParams for OpenPbrParams {
     type Closure = OpenPbr;
@@ -65,6 +67,10 @@ impl ModelParams for OpenPbrParams {
     #[inline]
     fn closure(&self, at: &Incidence) -> OpenPbr {
         OpenPbr::new(self, at)
+    }
+
+    fn emission(&self) -> Spectrum {
+        self.closure(&Incidence::default()).emission(Vec3A::Z)
     }
 
     fn interior(&self) -> Option<Interior> {
