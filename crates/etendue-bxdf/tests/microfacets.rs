@@ -345,3 +345,55 @@ fn light_may_turn_round() {
         assert!(found.error <= 1e-4, "{}: {found:?}", s.name);
     }
 }
+
+/// Any widths, tails, indices and directions, NaN and infinity among them, give finite values that are not negative.
+#[test]
+fn no_input_breaks_a_lobe() {
+    const ODD: [f32; 11] = [
+        f32::NAN,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        1e-30,
+        1e30,
+        0.01,
+        f32::MIN_POSITIVE,
+    ];
+    let mut rng = Rng::new(77);
+    let ok = |s: Spectrum| s.is_finite() && s.0.iter().all(|&v| v >= 0.0);
+    for i in 0..40_000u32 {
+        let mut number =
+            || if rng.uniform() < 0.25 { ODD[(rng.bits() % 11) as usize] } else { rng.uniform() };
+        let (a, b, c) = (number(), number(), number());
+        let distribution = match i % 4 {
+            0 => AnyDistribution::Ggx(Ggx::new(a, b)),
+            1 => AnyDistribution::Beckmann(Beckmann::new(a, b)),
+            2 => AnyDistribution::Gtr(Gtr::new(a, 4.0 * b)),
+            _ => AnyDistribution::BlinnPhong(BlinnPhong::new(a)),
+        };
+        let masking = match (i / 4) % 4 {
+            0 => AnyMasking::Smith(Smith),
+            1 => AnyMasking::SmithSeparable(SmithSeparable),
+            2 => AnyMasking::VCavity(VCavity),
+            _ => AnyMasking::SchlickGgx(SchlickGgx::new(c)),
+        };
+        let metal = Conductor::new(Spectrum::splat(number()), Spectrum::splat(number()));
+        let mut direction = || {
+            let v = vec3a(number() - 0.5, number() - 0.5, number());
+            // Every other time a unit vector, as the contract asks; otherwise anything.
+            if i % 2 == 0 { v.normalize_or(wo_at(89.9999)) } else { v }
+        };
+        let (wo, wi) = (direction(), direction());
+        let (uc, u) = (number(), [number(), number()]);
+        let lobe = Microfacet::new(distribution, masking, metal);
+        let e = lobe.eval_pdf(wo, wi);
+        let at = format!("{lobe:?} {wo} {wi} {uc} {u:?}: {e:?}");
+        assert!(ok(e.specular) && e.pdf.is_finite() && e.pdf >= 0.0 && ok(lobe.albedo(wo)), "{at}");
+        if let Some(s) = lobe.sample(wo, uc, u) {
+            assert!(ok(s.weight) && s.pdf > 0.0 && s.pdf.is_finite() && s.wi.is_finite(), "{at} {s:?}");
+        }
+    }
+}

@@ -112,15 +112,19 @@ impl<'v> Reader<'v> {
         key: &'static str,
         f: impl FnOnce(&mut Self, &'v Value) -> Result<T, Fault>,
     ) -> Option<T> {
-        match self.opt(o, key, f) {
-            Ok(v) => v,
+        self.harmless(|r| r.opt(o, key, f)).flatten()
+    }
+
+    /// What `f` reads, or nothing and a warning: for what does no harm when it is left out.
+    pub fn harmless<T>(&mut self, f: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Option<T> {
+        match f(self) {
+            Ok(v) => Some(v),
             Err(Fault::Invalid { pointer, message }) => {
                 self.warnings.add(pointer, format!("{message}; ignored"));
                 None
             }
             Err(other) => {
-                let pointer = self.pointer();
-                self.warnings.add(pointer, format!("{key}: {}; ignored", other.message()));
+                self.warn(format!("{}; ignored", other.message()));
                 None
             }
         }

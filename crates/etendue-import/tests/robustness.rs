@@ -191,6 +191,24 @@ fn work_does_not_multiply() {
     m.json["nodes"] = json!(vec![json!({"mesh": 0}); 2000]);
     m.json["scenes"][0]["nodes"] = json!((0..2000).collect::<Vec<_>>());
     assert_eq!(too_large(&m, &ImportOptions::default()), "geometry_expansion");
+
+    // Many variants in many places, also where nothing stands.
+    let little = limited(|l| l.geometry_bytes = 1 << 24);
+    let mut m = Model::new();
+    m.triangle(json!({}));
+    let all: Vec<u32> = (0..10_000).collect();
+    m.json["extensions"] =
+        json!({"KHR_materials_variants": {"variants": vec![json!({"name": ""}); all.len()]}});
+    m.push("materials", json!({}));
+    m.json["meshes"][0]["primitives"][0]["extensions"] =
+        json!({"KHR_materials_variants": {"mappings": [{"material": 0, "variants": all}]}});
+    m.json["nodes"] = json!(vec![json!({"mesh": 0}); 2000]);
+    m.json["scenes"][0]["nodes"] = json!((0..2000).collect::<Vec<_>>());
+    assert_eq!(too_large(&m, &little), "geometry_bytes");
+    let none = m.floats(&[], "VEC3");
+    let nowhere = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": none}}});
+    m.json["nodes"] = json!(vec![json!({"mesh": 0, "extensions": nowhere}); 2000]);
+    assert_eq!(too_large(&m, &little), "geometry_bytes");
     assert!(start.elapsed() < Duration::from_secs(20));
 }
 

@@ -98,8 +98,11 @@ fn what_is_wrong_with_a_variant_leaves_the_picture_alone() {
     let mut m = with_variants(&[], json!([]));
     m.json["extensions"]["KHR_materials_variants"]["variants"] = json!([{"name": "a"}, {}]);
     let i = m.import();
-    assert!(i.scene.variants.is_empty());
+    assert_eq!(i.scene.variants, [variant("a", &[]), variant("", &[])]);
     assert!(warned(&i, "/extensions/KHR_materials_variants/variants/1: `name` is missing; ignored"));
+    // One mapping that is broken leaves the others.
+    let (variants, _) = outcome(&["a"], json!([{"material": "x"}, {"material": 2, "variants": [0]}]));
+    assert_eq!(variants, [variant("a", &[[1, 1], [3, 1]])]);
 }
 
 #[test]

@@ -15,13 +15,16 @@ pub(crate) struct Mapping {
     pub entry: u32,
 }
 
-/// The names of the document's variants.
+/// The names of the document's variants. One without a name has an empty one: others are counted from it.
 pub(super) fn names<'v>(r: &mut Reader<'v>, root: &'v Object) -> Result<Vec<&'v str>, Fault> {
     let names = r.extension(root, VARIANTS, |r, o| {
         Ok(r.soft(o, "variants", |r, v| {
             r.array(v, |r, v| {
-                let o = r.object(v)?;
-                r.req(o, "name", Reader::string)
+                let name = r.harmless(|r| {
+                    let o = r.object(v)?;
+                    r.req(o, "name", Reader::string)
+                });
+                Ok(name.unwrap_or_default())
             })
         }))
     })?;
@@ -33,16 +36,19 @@ pub(super) fn mappings<'v>(r: &mut Reader<'v>, primitive: &'v Object) -> Result<
     let entries = r.extension(primitive, VARIANTS, |r, o| {
         Ok(r.soft(o, "mappings", |r, v| {
             r.array(v, |r, v| {
-                let o = r.object(v)?;
-                let material = r.req(o, "material", Reader::index)?;
-                Ok((material, r.req(o, "variants", |r, v| r.array(v, Reader::index))?))
+                Ok(r.harmless(|r| {
+                    let o = r.object(v)?;
+                    let material = r.req(o, "material", Reader::index)?;
+                    Ok((material, r.req(o, "variants", |r, v| r.array(v, Reader::index))?))
+                }))
             })
         }))
     })?;
     let entries = entries.flatten().unwrap_or_default();
     let mut seen = HashSet::new();
     let mut out = Vec::new();
-    for (entry, (material, variants)) in (0..).zip(entries) {
+    for (entry, mapping) in (0..).zip(entries) {
+        let Some((material, variants)) = mapping else { continue };
         for variant in variants {
             if seen.insert(variant) {
                 out.push(Mapping { variant, material, entry });
