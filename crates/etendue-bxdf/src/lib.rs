@@ -29,6 +29,7 @@
 //! | [`openpbr`] | OpenPBR 1.1: metal, diffuse, subsurface and glass under film, coat and fuzz |
 //! | [`model`] | the whole models by name, with their parameters |
 //! | [`ior_table`] | measured metals and dielectrics by name |
+//! | [`multiscatter`] | light that meets several microfacets: compensated lobes, and the random walk beside them |
 //! | [`math`] | elementary functions with the same bits on each platform |
 //! | [`sampling`] | disks, hemispheres, cones, triangles, frames, MIS weights |
 //! | [`quadrature`] | integrals over directions on both sides of a surface: maps, panels, total density |
@@ -85,6 +86,7 @@ pub mod measured;
 pub mod metal_rough;
 pub mod microfacet;
 pub mod model;
+pub mod multiscatter;
 pub mod openpbr;
 pub mod quadrature;
 pub mod reflectance;

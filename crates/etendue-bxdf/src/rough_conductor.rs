@@ -1,19 +1,17 @@
 //! Metals: rough or smooth, brushed or not, by name, by complex index or by two colours.
 
 use crate::{
-    bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS},
     choices,
     conductor::Conductor,
     f82::F82Tint,
     fresnel_term::Fresnel,
-    ggx::{ALPHA_DELTA, Ggx, mirror},
     ior_table::{METALS, Metal},
     microfacet::burley_alpha,
-    model::{Incidence, ModelParams},
+    model::{Claims, Incidence, ModelParams},
+    multiscatter::{CompensatedGgx, Compensation},
     parameters,
 };
 use etendue_color::Spectrum;
-use glam::Vec3A;
 
 choices! {
     /// A metal of [`crate::ior_table`], or one's own.
@@ -81,17 +79,23 @@ parameters! {
         roughness: f32 = 0.3, 0.0..1.0;
         /// How much longer a highlight is along the tangent, 0..1 (Burley 2012).
         anisotropy: f32 = 0.0, 0.0..1.0;
+        /// What is done about light that meets several microfacets.
+        compensation: Compensation = Compensation::KullaConty, 0.0..1.0;
     }
 }
 
 impl ModelParams for ConductorParams {
-    type Closure = GgxConductor<MetalFresnel>;
-    const ABOUT: &'static str = "a metal of GGX microfacets by complex index of refraction or F0 and F82, single scattering (Heitz 2014)";
+    type Closure = CompensatedGgx<MetalFresnel>;
+    const ABOUT: &'static str = "a metal of GGX microfacets by complex index of refraction or F0 and F82, with the light of several bounces";
 
     #[inline]
-    fn closure(&self, at: &Incidence) -> GgxConductor<MetalFresnel> {
-        let [ax, ay] = burley_alpha(self.roughness, self.anisotropy);
-        GgxConductor::new(ax, ay, self.fresnel(at.exterior_ior))
+    fn closure(&self, at: &Incidence) -> CompensatedGgx<MetalFresnel> {
+        let alpha = burley_alpha(self.roughness, self.anisotropy);
+        CompensatedGgx::new(alpha, self.fresnel(at.exterior_ior), self.compensation)
+    }
+
+    fn claims(&self) -> Claims {
+        self.compensation.claims()
     }
 }
 
@@ -140,103 +144,14 @@ impl Fresnel for MetalFresnel {
     }
 }
 
-/// A mirror made of GGX microfacets with any Fresnel term: [`crate::GgxReflection`] for metals.
-///
-/// f = F(wo·m) D(m) G2(wo, wi) / (4 cos θo cos θi), single scattering. Reciprocal. Its [`Bsdf::albedo`] is an estimate. Below
-/// [`ALPHA_DELTA`] it is a perfect mirror.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GgxConductor<F> {
-    ggx: Ggx,
-    fresnel: F,
-    mirror: bool,
-}
-
-impl<F: Fresnel> GgxConductor<F> {
-    /// Widths along x and y, 0..1 (α = roughness²), and the reflectance of each microfacet.
-    #[inline(always)]
-    pub fn new(alpha_x: f32, alpha_y: f32, fresnel: F) -> Self {
-        let mirror = !(alpha_x.max(alpha_y) >= ALPHA_DELTA);
-        Self { ggx: Ggx::new(alpha_x, alpha_y), fresnel, mirror }
-    }
-
-    /// The distribution of its microfacets.
-    #[inline(always)]
-    pub fn ggx(&self) -> &Ggx {
-        &self.ggx
-    }
-
-    /// The reflectance of its microfacets.
-    #[inline(always)]
-    pub fn fresnel(&self) -> &F {
-        &self.fresnel
-    }
-}
-
-impl<F: Fresnel> Bsdf for GgxConductor<F> {
-    #[inline]
-    fn eval_pdf(&self, wo: Vec3A, wi: Vec3A) -> Eval {
-        // Also taken by NaN.
-        if self.mirror || !(wo.z > MIN_COS && wi.z > MIN_COS) {
-            return Eval::ZERO;
-        }
-        let p = self.ggx.pair(wo, wi);
-        if !(p.pdf < f32::INFINITY) {
-            return Eval::ZERO;
-        }
-        Eval { diffuse: Spectrum::ZERO, specular: self.fresnel.eval(p.cos_half) * p.value, pdf: p.pdf }
-    }
-
-    #[inline]
-    fn sample(&self, wo: Vec3A, _uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
-        if !(wo.z > MIN_COS) {
-            return None;
-        }
-        let (wi, weight, pdf) = if self.mirror {
-            (mirror(wo), self.fresnel.eval(wo.z), 1.0)
-        } else {
-            let wi = self.ggx.sample_reflection(wo, u);
-            if !(wi.z > MIN_COS) {
-                return None;
-            }
-            let p = self.ggx.pair(wo, wi);
-            if !(p.pdf > 0.0 && p.pdf < f32::INFINITY) {
-                return None;
-            }
-            (wi, self.fresnel.eval(p.cos_half) * (p.value * wi.z / p.pdf), p.pdf)
-        };
-        if !(wi.is_finite() && weight.is_finite()) {
-            return None;
-        }
-        Some(BsdfSample {
-            wi,
-            weight,
-            weight_diffuse: Spectrum::ZERO,
-            weight_specular: weight,
-            pdf,
-            delta: self.mirror,
-            lobe: LobeKind::Specular,
-        })
-    }
-
-    #[inline]
-    fn albedo(&self, wo: Vec3A) -> Spectrum {
-        if wo.z > MIN_COS { self.fresnel.eval(wo.z) } else { Spectrum::ZERO }
-    }
-
-    fn deltas(&self, wo: Vec3A) -> [Option<DeltaPart>; 2] {
-        let part = DeltaPart { wi: mirror(wo), reflectance: self.fresnel.eval(wo.z), probability: 1.0 };
-        [(self.mirror && wo.z > MIN_COS).then_some(part), None]
-    }
-
-    fn narrowest_alpha(&self) -> [f32; 2] {
-        if self.mirror { [1.0, 1.0] } else { self.ggx.alpha() }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Field, Value};
+    use crate::{
+        Bsdf,
+        model::{Field, Value},
+    };
+    use glam::Vec3A;
 
     #[test]
     fn names_are_those_of_the_table() {

@@ -18,6 +18,7 @@ use etendue_bxdf::{
         sampling, sidak,
     },
     model::{Incidence, ModelParams, Transport},
+    multiscatter::Compensation,
     quadrature::directional_albedo,
     reflectance::{from_behind, hemispherical_directional},
 };
@@ -30,6 +31,11 @@ fn full() -> bool {
 
 fn samples() -> usize {
     if full() { 1_000_000 } else { 50_000 }
+}
+
+/// Enough for the finer order of the quadrature, which refraction at grazing angles needs.
+fn chi2_samples() -> usize {
+    if full() { 1_000_000 } else { 400_000 }
 }
 
 fn angles() -> &'static [f32] {
@@ -52,7 +58,7 @@ fn subjects() -> Vec<Subject> {
             let alpha = anisotropic_alpha(roughness, anisotropy);
             for (k, ior) in IORS.into_iter().enumerate() {
                 // By default each roughness and each index, in turn with anisotropy.
-                if !full() && (i + 2 * j + k) % 6 != 0 {
+                if !full() && (i + 2 * j + k) % 12 != 0 {
                     continue;
                 }
                 for (eta, way) in [(ior, "in"), (1.0 / ior, "out")] {
@@ -90,13 +96,13 @@ fn samples_follow_their_density() {
     let mut failures = Vec::new();
     for (i, s) in subjects.iter().enumerate() {
         for &angle in angles() {
-            let found = chi2::chi2(&*s.bsdf, wo_at(angle), samples(), 0x1000 + i as u64);
+            let found = chi2::chi2(&*s.bsdf, wo_at(angle), chi2_samples(), 0x1000 + i as u64);
             if !(found.p >= level) {
                 failures.push(format!("{} {angle}°: {found:?}", s.name));
             }
         }
     }
-    println!("χ²: {cells} cells of {} samples, each at level {level:.1e}", samples());
+    println!("χ²: {cells} cells of {} samples, each at level {level:.1e}", chi2_samples());
     assert!(failures.is_empty(), "{} of {cells} cells fail:\n{}", failures.len(), failures.join("\n"));
 }
 
@@ -307,6 +313,7 @@ fn no_input_breaks_anything() {
             absorption_distance: number(),
             dispersion: number(),
             priority: number(),
+            compensation: Compensation::KullaConty,
         };
         let sheet = ThinSheetParams {
             ior: number(),

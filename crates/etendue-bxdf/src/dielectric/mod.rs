@@ -23,4 +23,5 @@ pub use diffuse_transmission::DiffuseTransmission;
 pub use interface::{Interface, MATCHED, SchlickInterface, Sheet};
 pub use model::{DielectricParams, ThinSheet, ThinSheetParams};
 pub use rough::GgxDielectric;
+pub(crate) use rough::refract;
 pub use thin::ThinGgx;

@@ -1,10 +1,11 @@
 //! The models `dielectric` and `thin-sheet`.
 
-use super::{Dielectric, DiffuseTransmission, GgxDielectric, Sheet, ThinGgx, absorption};
+use super::{Dielectric, DiffuseTransmission, Sheet, ThinGgx, absorption};
 use crate::{
     bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, MIN_COS},
     ggx::anisotropic_alpha,
-    model::{Incidence, Interior, ModelParams},
+    model::{Claims, Incidence, Interior, ModelParams},
+    multiscatter::{CompensatedDielectric, Compensation},
     parameters,
 };
 use etendue_color::Spectrum;
@@ -31,6 +32,8 @@ parameters! {
         dispersion: f32 = 0.0, 0.0..10.0;
         /// Where bodies overlap, the one with the larger (whole) number fills the space.
         priority: f32 = 0.0, 0.0..100.0;
+        /// What is done about light that meets several microfacets.
+        compensation: Compensation = Compensation::KullaConty, 0.0..1.0;
     }
 }
 
@@ -65,16 +68,20 @@ impl DielectricParams {
 }
 
 impl ModelParams for DielectricParams {
-    type Closure = GgxDielectric<Dielectric>;
+    type Closure = CompensatedDielectric;
     const ABOUT: &'static str = "glass, water, gems: reflection and refraction by GGX microfacets (Walter et al. 2007), with absorption inside";
 
     #[inline]
-    fn closure(&self, at: &Incidence) -> GgxDielectric<Dielectric> {
+    fn closure(&self, at: &Incidence) -> CompensatedDielectric {
         let roughness = clamp(self.roughness, 0.0, 1.0);
         let alpha = anisotropic_alpha(roughness, clamp(self.anisotropy, 0.0, 1.0));
         let face = Dielectric::new(relative_index(self.ior_of(at.lane), at));
         let tint = self.transmission_color.map(|v| clamp(v, 0.0, 1.0));
-        GgxDielectric::new(alpha, face, at.transport).tinted(Spectrum::ONE, tint)
+        CompensatedDielectric::new(alpha, face, at.transport, self.compensation).tinted(Spectrum::ONE, tint)
+    }
+
+    fn claims(&self) -> Claims {
+        self.compensation.claims()
     }
 
     fn interior(&self) -> Option<Interior> {

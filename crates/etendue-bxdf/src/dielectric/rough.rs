@@ -164,6 +164,18 @@ impl<I: Interface> GgxDielectric<I> {
         self.kind == Kind::Smooth
     }
 
+    /// True if both parts are scattered by microfacets.
+    #[inline(always)]
+    pub fn is_rough(&self) -> bool {
+        self.kind == Kind::Rough
+    }
+
+    /// The colours that reflected and transmitted light are multiplied by.
+    #[inline(always)]
+    pub fn tints(&self) -> [Spectrum; 2] {
+        [self.reflection, self.transmission]
+    }
+
     #[inline(always)]
     fn split(&self, reflect: Spectrum, transmit: Spectrum) -> Split {
         let (reflected, transmitted) = (reflect * self.reflection, transmit * self.transmission);

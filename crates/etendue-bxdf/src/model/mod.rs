@@ -17,7 +17,7 @@ use crate::{
     classic::{
         BlinnPhongParams, BlinnPhongSurface, CookTorrance, CookTorranceParams, PhongParams, PhongSurface,
     },
-    dielectric::{Dielectric, DielectricParams, GgxDielectric, ThinSheet, ThinSheetParams},
+    dielectric::{DielectricParams, ThinSheet, ThinSheetParams},
     diffuse::{
         LambertParams,
         disney::{DisneyDiffuse, DisneyDiffuseParams},
@@ -29,8 +29,9 @@ use crate::{
     hair::{Hair, HairParams},
     ior_table,
     metal_rough::{MetalRough, MetalRoughParams},
+    multiscatter::{CompensatedDielectric, CompensatedGgx},
     openpbr::{OpenPbr, OpenPbrParams},
-    rough_conductor::{ConductorParams, GgxConductor, MetalFresnel},
+    rough_conductor::{ConductorParams, MetalFresnel},
     sheen::{Fuzz, FuzzParams, Sheen, SheenParams},
 };
 use etendue_color::Spectrum;
@@ -71,6 +72,11 @@ pub trait ModelParams: Parameters {
 
     /// The closure for light that arrives as `at` says.
     fn closure(&self, at: &Incidence) -> Self::Closure;
+
+    /// The laws that these parameters claim, where a choice among them gives one up.
+    fn claims(&self) -> Claims {
+        Self::CLAIMS
+    }
 
     /// What fills the space behind the surface; `None` if nothing passes through or the surface is a thin sheet.
     fn interior(&self) -> Option<Interior> {
@@ -143,7 +149,7 @@ macro_rules! models {
 
             /// The laws that it claims.
             pub fn claims(&self) -> Claims {
-                match self { $( Self::$variant(_) => <$params as ModelParams>::CLAIMS, )* }
+                match self { $( Self::$variant(p) => p.claims(), )* }
             }
 
             /// Its parameters.
@@ -285,9 +291,9 @@ impl Model {
 
 models! {
     "blinn-phong" => BlinnPhong(BlinnPhongParams, BlinnPhongSurface),
-    "conductor" => Conductor(ConductorParams, GgxConductor<MetalFresnel>),
+    "conductor" => Conductor(ConductorParams, CompensatedGgx<MetalFresnel>),
     "cook-torrance" => CookTorrance(CookTorranceParams, CookTorrance),
-    "dielectric" => Dielectric(DielectricParams, GgxDielectric<Dielectric>),
+    "dielectric" => Dielectric(DielectricParams, CompensatedDielectric),
     "disney-brdf" => DisneyBrdf(DisneyBrdfParams, DisneyBrdf),
     "disney-bsdf" => DisneyBsdf(DisneyBsdfParams, DisneyBsdf),
     "disney-diffuse" => DisneyDiffuse(DisneyDiffuseParams, DisneyDiffuse),
