@@ -19,14 +19,15 @@ pub(super) fn plot(s: &Subject) -> Drawing {
 
     let radius = 255.0;
     let centre = [300.0, if passes { 370.0 } else { 400.0 }];
+    let rim = if passes { 180 } else { 90 };
     for r in [0.25, 0.5, 0.75, 1.0] {
-        d.circle(centre, radius * r, 1.0, FAINT);
+        let arc = (-rim..=rim).step_by(3).map(|a| {
+            let w = in_plane(a as f64);
+            [centre[0] + radius * r * w.x, centre[1] - radius * r * w.z]
+        });
+        d.line(arc.collect(), 1.0, FAINT);
     }
-    d.line(vec![[centre[0] - radius - 14.0, centre[1]], [centre[0] + radius + 14.0, centre[1]]], 1.0, GREY);
-    if !passes {
-        // The lower half of the rings holds nothing.
-        d.rectangle([20.0, centre[1] + 1.0], [2.0 * radius + 60.0, radius + 4.0], [255; 3]);
-    }
+    d.line(vec![[centre[0] - radius, centre[1]], [centre[0] + radius, centre[1]]], 1.0, GREY);
     let all: &[i32] = if passes {
         &[-180, -150, -120, -90, -60, -30, 0, 30, 60, 90, 120, 150]
     } else {

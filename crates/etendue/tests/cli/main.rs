@@ -6,6 +6,7 @@
 mod errors;
 mod films;
 mod lab;
+mod laboratory;
 mod pictures;
 mod stop;
 mod tools;
