@@ -27,7 +27,7 @@ pub use reflection::CompensatedGgx;
 /// At grazing angles the loss depends on the azimuth, which neither table knows. The part (αmin / αmax)^(5/4) stays below
 /// the loss at every angle tried (8 angles, 4 azimuths, αmax 0.03..1, ratios 0.1..0.8; mirrors and glass from both sides).
 #[inline(always)]
-fn mean_alpha([x, y]: [f32; 2]) -> (f32, f32) {
+pub(crate) fn mean_alpha([x, y]: [f32; 2]) -> (f32, f32) {
     let ratio = x.min(y) / x.max(y);
     ((0.5 * (x * x + y * y)).sqrt(), ratio * ratio.sqrt().sqrt())
 }

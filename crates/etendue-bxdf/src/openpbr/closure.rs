@@ -3,17 +3,18 @@
 use super::{
     OpenPbrParams,
     coat::{Coat, CoatView, Under},
-    facet::{Boundary, Facets, Mix},
+    facet::{Boundary, Facets, Mix, boundary},
     index::{self, anisotropic_alpha, unit},
     lobe::Lobe,
 };
 use crate::{
     bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS},
-    dielectric::GgxDielectric,
+    dielectric::{GgxDielectric, Interface},
     diffuse::{Lambert, eon::Eon},
     fresnel::f0_from_ior,
     ggx::mirror,
     model::Incidence,
+    multiscatter::{loss::BoundaryLoss, mean_alpha},
     sampling::cosine_hemisphere,
     sheen::Fuzz,
 };
@@ -22,7 +23,8 @@ use glam::{Vec3A, vec3a};
 
 /// The closure of an OpenPBR surface at a point; see the [module](super).
 ///
-/// Not reciprocal. Its [`Bsdf::albedo`] is the tables' for isotropic roughness, within 2e-3 of the integral for cos θ ≥
+/// Not reciprocal. What single scattering loses between the facets of a volume's boundary is given back to what passes (from
+/// inside to both parts alike) as far as the tables of [`crate::multiscatter`] are certain of it. Its [`Bsdf::albedo`] is the tables' for isotropic roughness, within 2e-3 of the integral for cos θ ≥
 /// 0.05 if the coat is clear and nothing enters a volume, and an estimate otherwise. Where α falls below
 /// [`crate::ggx::ALPHA_DELTA`] a lobe is perfectly specular.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,9 +109,72 @@ enum Beyond {
     /// The other side of a sheet.
     Sheet(Lobe),
     /// A volume that light enters.
-    Volume(GgxDielectric<Boundary>),
+    Volume(Refraction),
     /// The volume that light comes from.
-    Inside(GgxDielectric<Boundary>),
+    Inside(Refraction),
+}
+
+/// The boundary of a volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Refraction {
+    lobe: GgxDielectric<Boundary>,
+    /// What one scattering event of the bare boundary loses between its microfacets; `None` if it is smooth.
+    loss: Option<Loss>,
+}
+
+/// The loss of a bare boundary of microfacets, as [`crate::multiscatter`] has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Loss {
+    table: BoundaryLoss,
+    /// The part of the table's that lobes with two widths certainly lose.
+    share: f32,
+}
+
+/// How far the part of the light that passes may be above what the loss's table says.
+const LOSS_SLACK: f32 = 0.003;
+
+impl Refraction {
+    #[inline]
+    fn new(alpha: [f32; 2], boundary: Boundary, at: &Incidence) -> Self {
+        let lobe = GgxDielectric::new(alpha, boundary, at.transport);
+        let loss = lobe.is_rough().then(|| {
+            let (mean, share) = mean_alpha(lobe.ggx().alpha());
+            Loss { table: BoundaryLoss::new(mean, lobe.interface().eta()), share }
+        });
+        Self { lobe, loss }
+    }
+
+    /// The part of the light that one event of the bare boundary brings out on either side, rather above than below.
+    #[inline(always)]
+    fn kept(&self, wo: Vec3A) -> f32 {
+        self.loss.as_ref().map_or(1.0, |l| (1.0 + LOSS_SLACK - l.table.directional(wo.z) * l.share).min(1.0))
+    }
+
+    /// What part of the light the lobe lets pass by one event, by lane, rather above than below: `e` is the albedo of a
+    /// mirror of the same facets, `bare` the bare boundary's mean reflectance and `mean` the one that it has here.
+    ///
+    /// All that the bare boundary keeps less what it reflects; and where a coat or a film lets more enter than the bare
+    /// boundary does, at most all of that. The means are over facets whose reflection comes out; those whose reflection is
+    /// lost are steeper, and differ by up to three times as much.
+    #[inline(always)]
+    fn passed(&self, wo: Vec3A, e: f32, bare: Spectrum, mean: Spectrum) -> Spectrum {
+        if self.loss.is_none() {
+            return (Spectrum::ONE - mean).max(Spectrum::ZERO);
+        }
+        let more = (bare - mean).max(Spectrum::ZERO) * (3.0 - 2.0 * e);
+        (Spectrum::splat(self.kept(wo)) - bare * e + more).map(|v| v.max(0.01))
+    }
+
+    /// The part that the boundary seen from inside keeps, rather above than below; `facets` are those of the base.
+    #[inline]
+    fn kept_inside(&self, wo: Vec3A, facets: &Facets, base: &Lobe) -> f32 {
+        let boundary = self.lobe.interface();
+        if self.loss.is_none() || facets.bare_eta() == Some(1.0 / boundary.eta()) {
+            return self.kept(wo);
+        }
+        let [other] = base.seen(wo).mean(|cos| [boundary.change(cos)]);
+        (self.kept(wo) + other.max_element()).min(1.0)
+    }
 }
 
 /// What can be drawn from: the order of the probabilities. The three diffuse parts follow each other.
@@ -135,6 +200,8 @@ struct View {
     substrate: Spectrum,
     /// Factor of what passes the translucent part.
     through: Spectrum,
+    /// Factor of the boundary seen from inside.
+    inside: f32,
     /// Factor of everything on the base that does not depend on `wi`.
     under: Spectrum,
     /// The part of the light that each part returns.
@@ -214,7 +281,7 @@ impl OpenPbr {
         } else {
             let ior = p.interior_ior(outside, at.lane);
             let eta = if inside { outside / ior } else { ior / outside };
-            let lobe = GgxDielectric::new(alpha, Boundary::new(facets, base, eta, !inside), at.transport);
+            let lobe = Refraction::new(alpha, Boundary::new(facets, base, eta, !inside), at);
             if inside { Beyond::Inside(lobe) } else { Beyond::Volume(lobe) }
         };
 
@@ -291,9 +358,7 @@ impl OpenPbr {
         let clear_scale = seen.compensation(c + passed);
         let metal = seen.compensation(m) * metal_weight;
         let opaque = opaque_scale * self.facets.tint() * self.mix.opaque;
-        let clear = clear_scale * self.mix.clear;
-        let specular = (m * metal + o * opaque + tinted * clear) * seen.e;
-        albedo[BASE] = specular * under * over[0];
+        let mut clear = clear_scale * self.mix.clear;
         let rest = Spectrum::splat(1.0 - seen.slack);
         let entered = (rest - o * opaque_scale * seen.e).max(black) * self.mix.opaque;
         for (i, matte) in self.diffuse.iter().enumerate() {
@@ -312,20 +377,41 @@ impl OpenPbr {
                 through = ratio(part, p * behind.e);
                 albedo[BEYOND] = part * under * over[2];
             }
-            Beyond::Volume(_) => {
-                // All that is not reflected, whatever the facets lose of it.
-                let part = (rest - c * clear_scale * seen.e).max(black) * self.mix.clear * self.passage;
-                through = ratio(part, (Spectrum::ONE - c).max(black));
+            Beyond::Volume(r) => {
+                let eta = r.lobe.interface().eta();
+                let part = if self.facets.eta() < 1.0 {
+                    // Both parts are scaled alike: the mean over a step, where total reflection begins, is not to be
+                    // trusted with the smaller part.
+                    let scale = self.mix.clear / r.kept(wo);
+                    clear = Spectrum::splat(scale);
+                    through = self.passage * scale;
+                    (Spectrum::splat(r.kept(wo)) - c * seen.e).max(black) * through
+                } else {
+                    // All that is not reflected, whatever the facets lose of it.
+                    let part = (rest - c * clear_scale * seen.e).max(black) * self.mix.clear * self.passage;
+                    let bare = if self.facets.bare_eta() == Some(eta) {
+                        c
+                    } else {
+                        let [bare] = seen.mean(|cos| [Spectrum::splat(boundary(cos, eta))]);
+                        bare
+                    };
+                    through = ratio(part, r.passed(wo, seen.e, bare, c));
+                    part
+                };
                 albedo[BEYOND] = part * under * over[2];
             }
             Beyond::Inside(_) => {}
         }
+        let specular = (m * metal + o * opaque + tinted * clear) * seen.e;
+        albedo[BASE] = specular * under * over[0];
+        let mut inside = 0.0;
         if self.outer < 1.0 {
             for a in &mut albedo {
                 *a *= self.outer;
             }
-            if let Beyond::Inside(lobe) = &self.beyond {
-                let [r, t] = lobe.energy(wo);
+            if let Beyond::Inside(r) = &self.beyond {
+                inside = (1.0 - self.outer) / r.kept_inside(wo, &self.facets, &self.base);
+                let [r, t] = r.lobe.energy(wo);
                 albedo[BEYOND] = (r + t * self.passage) * (1.0 - self.outer);
             }
         }
@@ -337,6 +423,7 @@ impl OpenPbr {
             clear,
             substrate: entered,
             through,
+            inside,
             under,
             p: probabilities(&albedo),
             albedo,
@@ -350,10 +437,10 @@ impl OpenPbr {
         if self.outer < 1.0 {
             e.diffuse *= self.outer;
             e.specular *= self.outer;
-            if let Beyond::Inside(lobe) = &self.beyond {
-                let inside = lobe.eval_pdf(wo, wi);
+            if let Beyond::Inside(r) = &self.beyond {
+                let inside = r.lobe.eval_pdf(wo, wi);
                 let tint = if wi.z > 0.0 { Spectrum::ONE } else { self.exit(wi) };
-                e.specular += inside.specular * tint * (1.0 - self.outer);
+                e.specular += inside.specular * tint * view.inside;
                 e.pdf += view.p[BEYOND] * inside.pdf;
             }
         }
@@ -432,8 +519,8 @@ impl OpenPbr {
                 e.specular += passed * view.through * over * pair.value;
                 e.pdf += view.p[BEYOND] * pair.pdf;
             }
-            Beyond::Volume(lobe) => {
-                let inside = lobe.eval_pdf(wo, wi);
+            Beyond::Volume(r) => {
+                let inside = r.lobe.eval_pdf(wo, wi);
                 e.specular += inside.specular * view.through * over;
                 e.pdf += view.p[BEYOND] * inside.pdf;
             }
@@ -460,10 +547,10 @@ impl OpenPbr {
             probability += view.p[BASE];
         }
         reflectance *= self.outer;
-        if let Beyond::Inside(lobe) = &self.beyond
-            && let [Some(d), _] = lobe.deltas(wo)
+        if let Beyond::Inside(r) = &self.beyond
+            && let [Some(d), _] = r.lobe.deltas(wo)
         {
-            reflectance += d.reflectance * (1.0 - self.outer);
+            reflectance += d.reflectance * view.inside;
             probability += view.p[BEYOND] * d.probability;
         }
         (probability > 0.0).then_some(DeltaPart { wi: mirror(wo), reflectance, probability })
@@ -477,15 +564,15 @@ impl OpenPbr {
                 let passed = self.facets.at(wo.z).passed * view.through * self.over(view, |_| 0.0);
                 Some(DeltaPart { wi: -wo, reflectance: passed, probability: view.p[BEYOND] })
             }
-            Beyond::Volume(lobe) => {
-                let d = lobe.deltas(wo)[1]?;
+            Beyond::Volume(r) => {
+                let d = r.lobe.deltas(wo)[1]?;
                 let reflectance = d.reflectance * view.through * self.over(view, |_| 0.0);
                 let probability = d.probability * view.p[BEYOND];
                 (probability > 0.0).then_some(DeltaPart { reflectance, probability, ..d })
             }
-            Beyond::Inside(lobe) => {
-                let d = lobe.deltas(wo)[1]?;
-                let reflectance = d.reflectance * self.exit(d.wi) * (1.0 - self.outer);
+            Beyond::Inside(r) => {
+                let d = r.lobe.deltas(wo)[1]?;
+                let reflectance = d.reflectance * self.exit(d.wi) * view.inside;
                 let probability = d.probability * view.p[BEYOND];
                 (probability > 0.0).then_some(DeltaPart { reflectance, probability, ..d })
             }
@@ -519,13 +606,13 @@ impl OpenPbr {
                     let wi = lobe.ggx.sample_reflection(wo, u);
                     (wi.z > MIN_COS).then_some((turned_over(wi), false))
                 }
-                Beyond::Volume(lobe) => {
+                Beyond::Volume(r) => {
                     // A facet that reflects all gives the lobe a direction on this side, where it has no value.
-                    let s = lobe.sample(wo, uc, u).filter(|s| s.wi.z < 0.0)?;
+                    let s = r.lobe.sample(wo, uc, u).filter(|s| s.wi.z < 0.0)?;
                     Some((s.wi, s.delta))
                 }
-                Beyond::Inside(lobe) => {
-                    let s = lobe.sample(wo, uc, u)?;
+                Beyond::Inside(r) => {
+                    let s = r.lobe.sample(wo, uc, u)?;
                     Some((s.wi, s.delta))
                 }
             },
@@ -670,7 +757,7 @@ impl Bsdf for OpenPbr {
 
     fn refraction(&self) -> Option<f32> {
         match &self.beyond {
-            Beyond::Volume(lobe) | Beyond::Inside(lobe) => lobe.refraction(),
+            Beyond::Volume(r) | Beyond::Inside(r) => r.lobe.refraction(),
             Beyond::Sheet(_) => Some(1.0),
             Beyond::Nothing => self.diffuse[DIFFUSE_THROUGH - DIFFUSE].map(|_| 1.0),
         }

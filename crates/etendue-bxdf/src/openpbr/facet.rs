@@ -107,7 +107,7 @@ impl Mix {
 
 /// Reflectance of a boundary, without the noise of the formula where the indices match.
 #[inline(always)]
-fn boundary(cos: f32, eta: f32) -> f32 {
+pub(super) fn boundary(cos: f32, eta: f32) -> f32 {
     if (eta - 1.0).abs() < MATCHED { 0.0 } else { dielectric(cos, eta) }
 }
 
@@ -197,6 +197,12 @@ impl Facets {
     #[inline(always)]
     pub fn transparent(&self, cos: f32) -> Spectrum {
         self.boundary(cos, self.eta, &self.film.as_ref().map(|f| (f, f.at(cos))))
+    }
+
+    /// The relative index of the dielectric, if no film changes its reflectance.
+    #[inline(always)]
+    pub fn bare_eta(&self) -> Option<f32> {
+        self.film.is_none().then_some(self.eta)
     }
 
     /// The relative index of the dielectric under the coat.
@@ -297,6 +303,12 @@ impl Boundary {
             eta: if (eta - 1.0).abs() < MATCHED { 1.0 } else { eta.max(0.1).min(10.0) },
             front,
         }
+    }
+
+    /// How far the reflectance is from the bare boundary's, at an angle on the near side.
+    #[inline(always)]
+    pub fn change(&self, cos: f32) -> Spectrum {
+        (self.both(cos) - Spectrum::splat(boundary(cos, self.eta))).map(f32::abs)
     }
 
     /// The mean reflectance of the facets.
