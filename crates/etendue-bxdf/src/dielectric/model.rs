@@ -4,7 +4,7 @@ use super::{Dielectric, DiffuseTransmission, Sheet, ThinGgx, absorption};
 use crate::{
     bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, MIN_COS},
     ggx::anisotropic_alpha,
-    model::{Claims, Incidence, Interior, ModelParams},
+    model::{Claim, Claims, Incidence, Interior, ModelParams},
     multiscatter::{CompensatedDielectric, Compensation},
     parameters,
 };
@@ -81,7 +81,16 @@ impl ModelParams for DielectricParams {
     }
 
     fn claims(&self) -> Claims {
-        self.compensation.claims()
+        let claims = self.compensation.claims();
+        match self.compensation {
+            Compensation::Turquin => Claims {
+                conserves: Claim::Breaks(
+                    "scaling by 1 / E enlarges the loss table's error: 0.001 / E at most",
+                ),
+                ..claims
+            },
+            _ => claims,
+        }
     }
 
     fn interior(&self) -> Option<Interior> {
