@@ -165,11 +165,10 @@ fn clear_boundaries_return_all_light() {
                 lost_most = lost_most.max(1.0 - kept);
                 for way in WAYS {
                     let over = directional_albedo(&glass(alpha, eta, way), wo)[0] - 1.0;
-                    // Scaling enlarges the table's error as it does the light; where cosines are small the table lies
-                    // below the integral by up to 0.015.
+                    // Scaling enlarges the table's error as it does the light.
                     let scale = if way == Compensation::Turquin { kept } else { 1.0 };
                     assert!(over * scale < 1e-3, "{way:?} roughness {roughness} eta {eta} {angle}°: {over}");
-                    let error = over.abs() * scale * if angle > 85.0 { 0.2 } else { 1.0 };
+                    let error = over.abs() * scale;
                     if error > worst.0 {
                         worst = (error, format!("{way:?} roughness {roughness} eta {eta} {angle}°"));
                     }
@@ -178,7 +177,7 @@ fn clear_boundaries_return_all_light() {
         }
     }
     println!("worst {worst:?}; without compensation up to {lost_most} is lost");
-    assert!(worst.0 < 3e-3 && lost_most > 0.5, "{worst:?}");
+    assert!(worst.0 < 6e-3 && lost_most > 0.5, "{worst:?}");
 }
 
 /// The second lobe is reciprocal, through boundaries too; scaling is not, which its documentation says.

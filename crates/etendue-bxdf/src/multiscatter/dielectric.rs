@@ -28,8 +28,8 @@ use glam::Vec3A;
 ///   a ratio of their own.)
 /// - [`Compensation::Turquin`] divides both lobes by E(wo) (Turquin 2019, section 4). Not reciprocal.
 ///
-/// Returns all light (counted as power) within 0.003 where both α are equal (at grazing
-/// angles up to 0.015 less, see [`super::loss`]), with Turquin's scaling within 0.003 / E; where
+/// Returns all light (counted as power), from 0.006 less to 0.001 more, where both α are equal; with Turquin's scaling these
+/// over E. Where
 /// they differ a part of the loss is given back, as by [`super::CompensatedGgx`]. Smooth and matched boundaries lose nothing and get nothing. Tints multiply the wide lobes
 /// once, as they do the narrow ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
