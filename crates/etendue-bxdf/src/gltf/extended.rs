@@ -1,10 +1,17 @@
 //! The closure of a surface that uses extensions.
 
-use super::{coat::Coat, facet::Facet, params::GltfParams, shape::Shape};
+use super::{
+    body::{Base, Body},
+    coat::Coat,
+    facet::Facet,
+    lobes::{COAT, DIFFUSE, LOBES, SHEEN, SPECULAR, THROUGH, pick, probabilities},
+    params::GltfParams,
+    shape::Shape,
+};
 use crate::{
     bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS},
     dielectric::{GgxDielectric, Interface, ThinGgx},
-    fresnel::{f0_from_ior, schlick_weight},
+    fresnel::f0_from_ior,
     ggx::mirror,
     model::{Incidence, Transport},
     sampling::cosine_hemisphere,
@@ -15,24 +22,6 @@ use core::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 use etendue_color::Spectrum;
 use glam::{Vec3A, vec3a};
 
-/// What the base's microfacets do with the light that they do not reflect.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Body {
-    /// It is scattered diffusely or lost.
-    Opaque,
-    /// Some of it passes straight through.
-    Thin(ThinGgx<Facet>),
-    /// Some of it is refracted into a volume.
-    Solid(GgxDielectric<Facet>),
-}
-
-const COAT: usize = 0;
-const SHEEN: usize = 1;
-const SPECULAR: usize = 2;
-const DIFFUSE: usize = 3;
-const THROUGH: usize = 4;
-const LOBES: usize = 5;
-
 /// A surface with extensions, at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Extended {
@@ -42,9 +31,7 @@ pub(super) struct Extended {
     sheen_max: f32,
     /// Whether coat and sheen lie on the side of `wo`, and on the other.
     layers: [bool; 2],
-    facet: Facet,
-    shape: Shape,
-    body: Body,
+    base: Base,
     /// The roughness of what passes a thin sheet, if it is another than that of what is reflected.
     through_shape: Option<Shape>,
     /// Colours / π of what is scattered diffusely on the near and on the far side.
@@ -159,9 +146,7 @@ impl Extended {
             sheen: (sheen_max > 0.0).then(|| Sheen::new(sheen_color, p.sheen_roughness)),
             sheen_max,
             layers: if solid { [at.front, !at.front] } else { [true, true] },
-            facet,
-            shape,
-            body,
+            base: Base { facet, shape, body },
             through_shape,
             diffuse,
             inv_entering: [1.0; 2],
@@ -174,12 +159,13 @@ impl Extended {
         if let Some(c) = &mut coat
             && c.is_mirror()
             && c.has_own_normal()
-            && out.base_deltas(Vec3A::Z)[0].is_some()
+            && out.base.deltas(Vec3A::Z)[0].is_some()
         {
             *c = c.blurred();
         }
         out.coat = coat;
-        let traps = [out.facet.may_trap(), out.facet.may_trap() || out.facet.reversed().may_trap()];
+        let traps =
+            [out.base.facet.may_trap(), out.base.facet.may_trap() || out.base.facet.reversed().may_trap()];
         for side in 0..2 {
             if !out.diffuse[side].is_black() {
                 out.inv_entering[side] =
@@ -210,8 +196,8 @@ impl Extended {
     /// The part of the light from `w` (turned to the upper side) on a side that enters the base, below all layers.
     #[inline(always)]
     fn entering(&self, side: usize, w: Vec3A) -> f32 {
-        let facet = if side == 0 { self.facet } else { self.facet.reversed() };
-        self.shape.enters(&facet, w) * self.layers_on(side, w)
+        let facet = if side == 0 { self.base.facet } else { self.base.facet.reversed() };
+        self.base.shape.enters(&facet, w) * self.layers_on(side, w)
     }
 
     /// ∫ entering · cos / π over the hemisphere: six Gauss-Legendre nodes in the cosine, exact for a mirror on Schlick's
@@ -227,7 +213,7 @@ impl Extended {
         ];
         // A tilted coat has no symmetry; an anisotropic base repeats each quarter.
         let tilted = self.layers[side] && self.coat.as_ref().is_some_and(Coat::has_own_normal);
-        let (count, range) = match (tilted, self.shape.is_isotropic()) {
+        let (count, range) = match (tilted, self.base.shape.is_isotropic()) {
             (true, _) => (8, TAU),
             (false, false) => (3, FRAC_PI_2),
             (false, true) => (1, 0.0),
@@ -242,53 +228,6 @@ impl Extended {
             }
         }
         mean / count as f32
-    }
-
-    /// The base's specular part on both sides, without layers.
-    #[inline(always)]
-    fn base_eval(&self, wo: Vec3A, wi: Vec3A) -> Eval {
-        match &self.body {
-            Body::Thin(lobe) => lobe.eval_pdf(wo, wi),
-            Body::Solid(lobe) => lobe.eval_pdf(wo, wi),
-            Body::Opaque if self.shape.mirror || !(wi.z > 0.0) => Eval::ZERO,
-            Body::Opaque => {
-                let pair = self.shape.ggx.pair(wo, wi);
-                let specular = self.facet.reflect(pair.cos_half) * pair.value;
-                Eval { diffuse: Spectrum::ZERO, specular, pdf: pair.pdf }
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn base_deltas(&self, wo: Vec3A) -> [Option<DeltaPart>; 2] {
-        match &self.body {
-            Body::Thin(lobe) => lobe.deltas(wo),
-            Body::Solid(lobe) => lobe.deltas(wo),
-            Body::Opaque => {
-                let part =
-                    DeltaPart { wi: mirror(wo), reflectance: self.facet.reflect(wo.z), probability: 1.0 };
-                [self.shape.mirror.then_some(part), None]
-            }
-        }
-    }
-
-    /// What the base's specular part reflects and lets through, summed over lanes: an estimate.
-    #[inline(always)]
-    fn base_energy(&self, wo: Vec3A) -> [Spectrum; 2] {
-        match &self.body {
-            Body::Thin(lobe) => lobe.energy(wo),
-            Body::Solid(lobe) => lobe.energy(wo),
-            Body::Opaque => {
-                let (f0, f90) = self.facet.ends();
-                let (w, e) = if self.shape.mirror {
-                    (schlick_weight(wo.z), 1.0)
-                } else {
-                    let a = self.shape.row.directional(wo.z);
-                    (a.w, a.e)
-                };
-                [(f0 + (Spectrum::splat(f90) - f0) * w) * e, Spectrum::ZERO]
-            }
-        }
     }
 
     #[inline(always)]
@@ -307,8 +246,9 @@ impl Extended {
                 layers[1] *= self.under_sheen(wo);
             }
         }
-        let entering = if has_diffuse { self.shape.enters(&self.facet, wo) * layers[1] } else { 0.0 };
-        let [reflected, passed] = self.base_energy(wo);
+        let entering =
+            if has_diffuse { self.base.shape.enters(&self.base.facet, wo) * layers[1] } else { 0.0 };
+        let [reflected, passed] = self.base.energy(wo);
         weights[SPECULAR] = (sum(reflected) + sum(passed)) * layers[1];
         weights[DIFFUSE] = self.sum_diffuse[0] * entering;
         weights[THROUGH] = self.sum_diffuse[1] * entering;
@@ -330,7 +270,8 @@ impl Extended {
             // than these leave.
             Some(shape) if !reflects => {
                 let ratio = |w: Vec3A| {
-                    let (left, taken) = (self.shape.enters(&self.facet, w), shape.enters(&self.facet, w));
+                    let (left, taken) =
+                        (self.base.shape.enters(&self.base.facet, w), shape.enters(&self.base.facet, w));
                     if left < taken { left / taken } else { 1.0 }
                 };
                 layers * ratio(wo).min(ratio(w))
@@ -344,7 +285,7 @@ impl Extended {
     fn eval_at(&self, view: &View, wo: Vec3A, wi: Vec3A) -> Eval {
         let reflects = wi.z > 0.0;
         let (side, lobe) = if reflects { (0, DIFFUSE) } else { (1, THROUGH) };
-        let base = self.base_eval(wo, wi);
+        let base = self.base.eval_pdf(wo, wi);
         let mut out = Eval {
             diffuse: Spectrum::ZERO,
             specular: base.specular * self.specular_factor(view, wo, wi),
@@ -382,7 +323,7 @@ impl Extended {
             probability: d.probability * view.p[SPECULAR],
             ..d
         };
-        let [mut reflected, passed] = self.base_deltas(wo).map(|d| d.map(scaled));
+        let [mut reflected, passed] = self.base.deltas(wo).map(|d| d.map(scaled));
         if let (true, Some(c)) = (self.layers[0], &self.coat)
             && let Some((wi, f)) = c.delta(wo)
         {
@@ -406,45 +347,6 @@ impl Extended {
     }
 }
 
-/// Probabilities in proportion to `weights`; a part of less than a millionth is never picked: one over its probability
-/// could leave `f32`.
-#[inline(always)]
-fn probabilities(mut weights: [f32; LOBES]) -> [f32; LOBES] {
-    let total: f32 = weights.iter().sum();
-    let least = 1e-6 * total;
-    for w in &mut weights {
-        if !(*w > least) {
-            *w = 0.0;
-        }
-    }
-    let total: f32 = weights.iter().sum();
-    if total > 0.0 && total < f32::INFINITY {
-        weights.map(|w| w / total)
-    } else {
-        let mut only = [0.0; LOBES];
-        only[SPECULAR] = 1.0;
-        only
-    }
-}
-
-/// The lobe that `uc` picks, and `uc` stretched to 0..1 within it.
-#[inline(always)]
-fn pick(p: &[f32; LOBES], uc: f32) -> (usize, f32) {
-    let mut left = uc.max(0.0);
-    let mut last = SPECULAR;
-    for (i, &p) in p.iter().enumerate() {
-        if p > 0.0 {
-            if left < p {
-                return (i, (left / p).min(1.0));
-            }
-            left -= p;
-            last = i;
-        }
-    }
-    // Rounding at the upper end.
-    (last, 1.0)
-}
-
 impl Bsdf for Extended {
     #[inline]
     fn eval_pdf(&self, wo: Vec3A, wi: Vec3A) -> Eval {
@@ -453,7 +355,7 @@ impl Bsdf for Extended {
             return Eval::ZERO;
         }
         if self.is_bare() {
-            let e = self.base_eval(wo, wi);
+            let e = self.base.eval_pdf(wo, wi);
             return if e.pdf < f32::INFINITY { e } else { Eval::ZERO };
         }
         self.eval_at(&self.view(wo), wo, wi)
@@ -464,29 +366,24 @@ impl Bsdf for Extended {
         if !(wo.z > MIN_COS && wo.is_finite()) {
             return None;
         }
-        if self.is_bare() {
-            match &self.body {
-                Body::Thin(lobe) => return lobe.sample(wo, uc, u),
-                Body::Solid(lobe) => return lobe.sample(wo, uc, u),
-                Body::Opaque => {}
-            }
+        let opaque = self.base.is_opaque();
+        if self.is_bare() && !opaque {
+            return self.base.sample_through(wo, uc, u);
         }
         let view = self.view(wo);
         let (lobe, uc) = pick(&view.p, uc);
         let kind = if matches!(lobe, COAT | SPECULAR) { LobeKind::Specular } else { LobeKind::Diffuse };
-        let (wi, delta) = match (lobe, &self.coat, &self.sheen, &self.body) {
-            (COAT, Some(c), ..) => (c.sample(wo, u)?, c.is_mirror()),
-            (SHEEN, _, Some(s), _) => (s.sample(wo, uc, u)?.wi, false),
-            (SPECULAR, .., Body::Opaque) if self.shape.mirror => (mirror(wo), true),
-            (SPECULAR, .., Body::Opaque) => (self.shape.ggx.sample_reflection(wo, u), false),
-            (SPECULAR, .., Body::Thin(lobe)) => lobe.sample(wo, uc, u).map(|s| (s.wi, s.delta))?,
-            (SPECULAR, .., Body::Solid(lobe)) => lobe.sample(wo, uc, u).map(|s| (s.wi, s.delta))?,
+        let (wi, delta) = match (lobe, &self.coat, &self.sheen) {
+            (COAT, Some(c), _) => (c.sample(wo, u)?, c.is_mirror()),
+            (SHEEN, _, Some(s)) => (s.sample(wo, uc, u)?.wi, false),
+            (SPECULAR, ..) if !opaque => self.base.sample_through(wo, uc, u).map(|s| (s.wi, s.delta))?,
+            (SPECULAR, ..) if self.base.shape.mirror => (mirror(wo), true),
+            (SPECULAR, ..) => (self.base.shape.ggx.sample_reflection(wo, u), false),
             (THROUGH, ..) => (-cosine_hemisphere(u), false),
             _ => (cosine_hemisphere(u), false),
         };
-        let below =
-            !matches!(lobe, THROUGH | SPECULAR) || matches!((lobe, &self.body), (SPECULAR, Body::Opaque));
-        if !(wi.z.abs() > MIN_COS && wi.is_finite()) || (below && wi.z < 0.0) {
+        let below = lobe == THROUGH || (lobe == SPECULAR && !opaque);
+        if !(wi.z.abs() > MIN_COS && wi.is_finite()) || (!below && wi.z < 0.0) {
             return None;
         }
         if delta {
@@ -524,8 +421,8 @@ impl Bsdf for Extended {
             return Spectrum::ZERO;
         }
         let view = self.view(wo);
-        let [reflected, passed] = self.base_energy(wo);
-        let squeeze = match &self.body {
+        let [reflected, passed] = self.base.energy(wo);
+        let squeeze = match &self.base.body {
             Body::Solid(lobe) => lobe.albedo(wo) - reflected,
             _ => passed,
         };
@@ -547,18 +444,13 @@ impl Bsdf for Extended {
             return [None, None];
         }
         if self.is_bare() {
-            return self.base_deltas(wo);
+            return self.base.deltas(wo);
         }
         self.delta_parts(&self.view(wo), wo)
     }
 
     fn narrowest_alpha(&self) -> [f32; 2] {
-        let base = match &self.body {
-            Body::Thin(lobe) => lobe.narrowest_alpha(),
-            Body::Solid(lobe) => lobe.narrowest_alpha(),
-            Body::Opaque if self.shape.mirror => [1.0; 2],
-            Body::Opaque => self.shape.ggx.alpha(),
-        };
+        let base = self.base.narrowest_alpha();
         match &self.coat {
             Some(c) if self.layers[0] && !c.is_mirror() => {
                 let a = c.alpha();
@@ -569,11 +461,6 @@ impl Bsdf for Extended {
     }
 
     fn refraction(&self) -> Option<f32> {
-        match &self.body {
-            Body::Thin(lobe) => lobe.refraction(),
-            Body::Solid(lobe) => lobe.refraction(),
-            Body::Opaque => None,
-        }
-        .or_else(|| (!self.diffuse[1].is_black()).then_some(1.0))
+        self.base.refraction().or_else(|| (!self.diffuse[1].is_black()).then_some(1.0))
     }
 }

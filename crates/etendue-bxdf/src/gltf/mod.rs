@@ -39,9 +39,11 @@
 //! `KHR_materials_dispersion` gives red, green, blue the indices ior ∓ (ior − 1) · 0.025 · dispersion; for wavelengths the same
 //! extension's form of Cauchy's equation holds. A path that carries one lane ([`Incidence::lane`]) gets that lane's.
 
+mod body;
 mod coat;
 mod extended;
 mod facet;
+mod lobes;
 mod params;
 mod shape;
 
