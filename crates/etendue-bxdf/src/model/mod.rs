@@ -133,7 +133,10 @@ macro_rules! models {
             pub fn by_name(name: &str) -> Result<Self, ParameterError> {
                 match name {
                     $( $name => Ok(Self::$variant(Default::default())), )*
-                    _ => Err(ParameterError::UnknownModel { name: name.into(), known: Self::NAMES.join(", ") }),
+                    _ => {
+                    let known: Vec<_> = Self::NAMES.iter().copied().chain(ior_table::names()).collect();
+                    Err(ParameterError::UnknownModel { name: name.into(), known: known.join(", ") })
+                }
                 }
             }
 
@@ -234,9 +237,10 @@ impl std::str::FromStr for Model {
     fn from_str(text: &str) -> Result<Self, ParameterError> {
         let mut parts = text.split(':');
         let name = parts.next().unwrap_or_default().trim();
-        let mut model = match Self::measured(name) {
-            Some(model) => model,
-            None => Self::by_name(name)?,
+        // A model goes before a material of the same name (`hair`).
+        let mut model = match (Self::by_name(name), Self::measured(name)) {
+            (Ok(model), _) | (Err(_), Some(model)) => model,
+            (Err(unknown), None) => return Err(unknown),
         };
         for part in parts {
             let (name, value) = part.split_once('=').ok_or_else(|| ParameterError::NotAValue {
@@ -349,6 +353,7 @@ mod tests {
         }
         let gold: Model = "gold:roughness=0.1".parse().expect("a metal");
         assert_eq!(gold.get("material"), Some(Value::Choice("gold")));
+        assert!(matches!("hair:beta_m=0.5".parse(), Ok(Model::Hair(_))));
         assert!("metal-rough:metallic".parse::<Model>().is_err());
         assert!(Model::by_name("plastic").expect_err("no such model").to_string().contains("lambert"));
     }
