@@ -3,7 +3,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`draw`] | drawings with two faces, SVG and PNG; charts made of them |
-//! | [`bench`] | the plots of one model: lobe, sphere, D G F, albedo, sampling, energy loss |
+//! | [`bench`](mod@bench) | the plots of one model: lobe, sphere, D G F, albedo, sampling, energy loss |
 //! | [`verify`] | the laws of [`etendue_bxdf::laws`] over many models in parallel, and the report |
 //! | [`notes`] | formulas of the founding notes beside the right ones, with the size of the error |
 #![forbid(unsafe_code)]
