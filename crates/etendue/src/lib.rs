@@ -19,6 +19,7 @@
 
 pub use etendue_bxdf as bxdf;
 pub use etendue_color as color;
+pub use etendue_ibl as ibl;
 pub use etendue_image as image;
 pub use etendue_import as import;
 pub use etendue_lab as lab;

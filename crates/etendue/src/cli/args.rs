@@ -1,5 +1,6 @@
 //! What can be said on the command line.
 
+use super::bake_args::BakeArgs;
 use crate::color::ToneCurve;
 use crate::render::{Filter, PassSet};
 use clap::{Args, Parser, Subcommand};
@@ -30,6 +31,8 @@ pub(crate) enum Command {
     Info(InfoArgs),
     /// Measure build time, rays, samples and time to equal error on fixed scenes, and the cost of each model
     Bench(BenchArgs),
+    /// Integrate a sky for real-time shading: harmonics, irradiance, prefiltered cube, reflectance table
+    Bake(BakeArgs),
     /// Plot scattering models, put them to the laws of light, compare formulas
     Lab(LabArgs),
 }
@@ -344,7 +347,7 @@ pub(crate) fn vec3(s: &str) -> Result<Vec3Arg, String> {
     numbers(s).map(Vec3Arg).ok_or_else(|| "give three numbers, as in 1.5,0,-2".into())
 }
 
-fn finite(s: &str) -> Result<f32, String> {
+pub(crate) fn finite(s: &str) -> Result<f32, String> {
     s.parse().ok().filter(|v: &f32| v.is_finite()).ok_or_else(|| "give a number".into())
 }
 
@@ -352,7 +355,7 @@ fn positive(s: &str) -> Result<f32, String> {
     finite(s).ok().filter(|v| *v > 0.0).ok_or_else(|| "give a number above 0".into())
 }
 
-fn non_negative(s: &str) -> Result<f32, String> {
+pub(crate) fn non_negative(s: &str) -> Result<f32, String> {
     finite(s).ok().filter(|v| *v >= 0.0).ok_or_else(|| "give a number that is not negative".into())
 }
 

@@ -22,9 +22,13 @@ pub(crate) fn model(path: Option<&Path>, at: Option<f32>, allow_outside: bool) -
 
 /// The sky that the arguments name, and what was done to it beyond reading it.
 pub(crate) fn environment(args: &RenderArgs) -> Result<(Environment, Vec<String>), CliError> {
-    let rotation = args.env_rotation.to_radians();
-    let sky = args.env.as_deref().unwrap_or("studio");
-    let constant = |c: [f32; 3]| (Environment::Constant(Vec3::from(c) * args.env_intensity), Vec::new());
+    sky(args.env.as_deref().unwrap_or("studio"), args.env_rotation, args.env_intensity)
+}
+
+/// A sky by file, name or colour, turned by `degrees` and multiplied; and what was done to it beyond reading it.
+pub(crate) fn sky(sky: &str, degrees: f32, intensity: f32) -> Result<(Environment, Vec<String>), CliError> {
+    let rotation = degrees.to_radians();
+    let constant = |c: [f32; 3]| (Environment::Constant(Vec3::from(c) * intensity), Vec::new());
     if sky == "none" {
         return Ok(constant([0.0; 3]));
     }
@@ -36,7 +40,7 @@ pub(crate) fn environment(args: &RenderArgs) -> Result<(Environment, Vec<String>
     }
     let path = Path::new(sky);
     if sky == "studio" && !path.exists() {
-        return Ok((builtin::studio(rotation, args.env_intensity)?, Vec::new()));
+        return Ok((builtin::studio(rotation, intensity)?, Vec::new()));
     }
     if let Err(source) = std::fs::metadata(path) {
         return Err(CliError::Sky { path: path.to_path_buf(), source });
@@ -44,7 +48,7 @@ pub(crate) fn environment(args: &RenderArgs) -> Result<(Environment, Vec<String>
     let e = read_environment(path)?;
     let image = Arc::new(e.image);
     let notes = e.notes.iter().map(|n| format!("{sky}: {n}")).collect();
-    Ok((Environment::LatLong { image, rotation, intensity: args.env_intensity }, notes))
+    Ok((Environment::LatLong { image, rotation, intensity }, notes))
 }
 
 /// Default vertical field of view, degrees.

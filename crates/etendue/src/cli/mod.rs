@@ -1,6 +1,9 @@
 //! The command line: one file per command.
 
 mod args;
+mod bake;
+mod bake_args;
+mod bake_files;
 mod bench;
 mod bench_models;
 mod bench_scenes;
@@ -40,6 +43,7 @@ pub fn main() -> ExitCode {
         Some(Command::Info(a)) => info::run(&a),
         Some(Command::Bench(a)) => bench::run(&a),
         Some(Command::Lab(a)) => lab::run(&a),
+        Some(Command::Bake(a)) => bake::run(&a),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -3,6 +3,7 @@
 //! Everything runs the built binary in a folder of its own, on the built-in model or a model of a few lines, at sizes that
 //! take a moment.
 
+mod baking;
 mod errors;
 mod films;
 mod lab;

@@ -1,0 +1,109 @@
+//! What can be said to `etendue bake`.
+
+use super::args::{finite, non_negative};
+use crate::ibl::{DfgLayout, Kernel, MipMapping, TexelFormat, Window};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// A kind of file for cubes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CubeFormat {
+    /// Khronos' container, all mips
+    Ktx2,
+    /// DirectX' container, all mips
+    Dds,
+    /// OpenEXR, the faces below one another, a file for each mip
+    Exr,
+    /// Radiance, likewise
+    Hdr,
+}
+
+impl CubeFormat {
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Ktx2 => "ktx2",
+            Self::Dds => "dds",
+            Self::Exr => "exr",
+            Self::Hdr => "hdr",
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BakeArgs {
+    /// Sky: a .hdr or .exr file, `studio` (built in), or a colour as R,G,B (linear)
+    #[arg(required_unless_present = "dfg")]
+    pub sky: Option<String>,
+    /// A folder for everything, or a file for the prefiltered cube alone (.ktx2 .dds .exr .hdr), or for the table with --dfg (.exr .hdr)
+    #[arg(short, long, value_name = "DIR|FILE")]
+    pub output: PathBuf,
+    /// Kind of the cubes' files [default: ktx2 in a folder, else by the extension]
+    #[arg(long, value_name = "KIND", help_heading = "Files")]
+    pub format: Option<CubeFormat>,
+    /// Texels of .ktx2 and .dds: rgba16f, rgb9e5, bc6h
+    #[arg(long, value_name = "TEXEL", default_value_t, help_heading = "Files")]
+    pub encoding: TexelFormat,
+    /// Turn the sky about the vertical, degrees, counter-clockwise from above
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite, help_heading = "Sky")]
+    pub env_rotation: f32,
+    /// Multiply the sky
+    #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true, value_parser = non_negative, help_heading = "Sky")]
+    pub env_intensity: f32,
+    /// Texels along an edge of the prefiltered cube: a power of two, 4 to 2048
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = power_of_two, help_heading = "Cubes")]
+    pub size: u32,
+    /// Samples for each texel of the rough mips
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=65536), help_heading = "Cubes")]
+    pub samples: u32,
+    /// Roughness of the mips: linear, or notes (roughness (1.7 − 0.7 roughness) × 6, as Unity)
+    #[arg(long, value_name = "CURVE", default_value_t, help_heading = "Cubes")]
+    pub mapping: MipMapping,
+    /// The mip of roughness 1 [default: the one of 8 texels for linear, 6 for notes]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=11), help_heading = "Cubes")]
+    pub steps: Option<u32>,
+    /// What weighs the light beside the microfacets: cosine (as engines bake), lobe (Smith's masking)
+    #[arg(long, value_name = "KERNEL", default_value_t, help_heading = "Cubes")]
+    pub kernel: Kernel,
+    /// Texels along an edge of the irradiance cube
+    #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=256), help_heading = "Cubes")]
+    pub irradiance_size: u32,
+    /// Damping of the harmonics against ringing: auto, none, hann, lanczos, cosine (=WIDTH), laplacian=LAMBDA
+    #[arg(long, value_name = "WINDOW", default_value_t, help_heading = "Harmonics")]
+    pub window: Window,
+    /// The reflectance table alone, which needs no sky
+    #[arg(long, conflicts_with_all = ["sky", "format"], help_heading = "Table")]
+    pub dfg: bool,
+    /// Texels along an edge of the table
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(2..=1024), help_heading = "Table")]
+    pub dfg_size: u32,
+    /// Channels of the table: scale-bias (F0·r + g), multiscatter (mix(r, g, F0), b for cloth)
+    #[arg(long, value_name = "LAYOUT", default_value = "scale-bias", value_parser = layout, help_heading = "Table")]
+    pub dfg_layout: DfgLayout,
+    /// Samples for each texel of the table; 0 for quadrature
+    #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(..=1 << 20), help_heading = "Table")]
+    pub dfg_samples: u32,
+    /// Threads [default: all]
+    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Work")]
+    pub threads: Option<u32>,
+    /// Print one JSON report to standard output
+    #[arg(long, help_heading = "Report")]
+    pub json: bool,
+    /// Print nothing but errors
+    #[arg(short, long, help_heading = "Report")]
+    pub quiet: bool,
+}
+
+fn power_of_two(s: &str) -> Result<u32, String> {
+    s.parse()
+        .ok()
+        .filter(|n: &u32| n.is_power_of_two() && (4..=2048).contains(n))
+        .ok_or_else(|| "give a power of two from 4 to 2048".into())
+}
+
+fn layout(s: &str) -> Result<DfgLayout, String> {
+    match s {
+        "scale-bias" => Ok(DfgLayout::ScaleBias),
+        "multiscatter" => Ok(DfgLayout::Multiscatter),
+        _ => Err("give scale-bias or multiscatter".into()),
+    }
+}
