@@ -23,12 +23,13 @@ use glam::{Vec3A, vec3a};
 /// environment. A mirror in its place reflects the same energy to 1e-4, and costs no precision.
 pub const ALPHA_DELTA: f32 = 0.95e-4;
 
-/// αx and αy of a perceptual roughness and an anisotropy 0..1 (Burley 2012, "Physically Based Shading at Disney",
-/// addenda: aspect = √(1 − 0.9 a), αx = α / aspect, αy = α · aspect).
+/// αx and αy of a perceptual roughness and an anisotropy, both clamped to 0..1, NaN to 0 (Burley 2012, "Physically Based
+/// Shading at Disney", addenda: aspect = √(1 − 0.9 a), αx = α / aspect, αy = α · aspect, α = roughness²).
 #[inline(always)]
 pub fn anisotropic_alpha(roughness: f32, anisotropy: f32) -> [f32; 2] {
-    let alpha = roughness * roughness;
-    let aspect = (1.0 - 0.9 * anisotropy).sqrt();
+    let (r, a) = (roughness.max(0.0).min(1.0), anisotropy.max(0.0).min(1.0));
+    let alpha = r * r;
+    let aspect = (1.0 - 0.9 * a).sqrt();
     [alpha / aspect, alpha * aspect]
 }
 

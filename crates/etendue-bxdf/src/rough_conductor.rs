@@ -5,8 +5,8 @@ use crate::{
     conductor::Conductor,
     f82::F82Tint,
     fresnel_term::Fresnel,
+    ggx::anisotropic_alpha,
     ior_table::{METALS, Metal},
-    microfacet::burley_alpha,
     model::{Claims, Incidence, ModelParams},
     multiscatter::{CompensatedGgx, Compensation},
     parameters,
@@ -90,7 +90,7 @@ impl ModelParams for ConductorParams {
 
     #[inline]
     fn closure(&self, at: &Incidence) -> CompensatedGgx<MetalFresnel> {
-        let alpha = burley_alpha(self.roughness, self.anisotropy);
+        let alpha = anisotropic_alpha(self.roughness, self.anisotropy);
         CompensatedGgx::new(alpha, self.fresnel(at.exterior_ior), self.compensation)
     }
 

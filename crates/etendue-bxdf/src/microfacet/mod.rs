@@ -3,7 +3,8 @@
 //! f = F(wo·m) D(m) G2(wo, wi, m) / (4 cos θo cos θi), m the half vector (Cook, Torrance 1982, in the form of Walter et al.
 //! 2007, eq. 20). [`Microfacet`] puts any [`Distribution`], [`Masking`] and [`crate::Fresnel`] together at compile time.
 //! The lobe of daily use is [`crate::GgxReflection`], which is the combination GGX, height-correlated Smith and Schlick
-//! with fewer operations.
+//! with fewer operations. [`crate::ggx::anisotropic_alpha`] makes αx and αy of a perceptual roughness and an
+//! anisotropy.
 //!
 //! | distribution | Λ for Smith's masking | visible normals |
 //! |---|---|---|
@@ -96,15 +97,6 @@ impl Distribution for Ggx {
     fn alpha(&self) -> [f32; 2] {
         Ggx::alpha(self)
     }
-}
-
-/// αx and αy of a perceptual roughness and an anisotropy, both clamped to 0..1, NaN to 0 (Burley 2012, "Physically Based
-/// Shading at Disney", section 5.4: aspect = √(1 − 0.9 a), αx = r² / aspect, αy = r² · aspect).
-#[inline(always)]
-pub fn burley_alpha(roughness: f32, anisotropy: f32) -> [f32; 2] {
-    let (r, a) = (roughness.max(0.0).min(1.0), anisotropy.max(0.0).min(1.0));
-    let aspect = (1.0 - 0.9 * a).sqrt();
-    [r * r / aspect, r * r * aspect]
 }
 
 /// A vector over its length.
