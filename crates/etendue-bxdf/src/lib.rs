@@ -4,39 +4,41 @@
 //! away from the surface. There are no textures, no scene and no files: a caller evaluates its textures, builds a
 //! small closure on the stack (for glTF surfaces [`MetalRough`]) and asks it through the verbs of [`Bsdf`].
 //!
+//! From the contract over Fresnel terms, microfacets, single lobes and whole surfaces to what integrates them:
+//!
 //! | module | what it holds |
 //! |---|---|
 //! | [`bsdf`] | the contract: what `eval`, `pdf`, `sample`, `albedo` return, in which measure |
-//! | [`bssrdf`] | light that leaves a surface elsewhere than it entered: normalized diffusion, probes |
+//! | [`model`] | the whole models by name, with their parameters |
+//! | [`laws`] | χ², furnace, reciprocity, as code to run on any closure |
 //! | [`fresnel`] | how much an interface reflects: Schlick, exact dielectric, ior ↔ F0 |
 //! | [`conductor`] | metals: the exact reflectance of a complex index, unpolarised and as amplitudes |
 //! | [`f82`] | metals by two colours, at normal incidence and at 82° |
 //! | [`fresnel_term`] | any of these as a type parameter; mean reflectance of a dielectric |
 //! | [`fresnel_average`] | any Fresnel term averaged over the microfacets that a GGX lobe shows |
+//! | [`thin_film`] | colours of films: Airy's sum, and its mean over three colours |
+//! | [`ior_table`] | measured metals and dielectrics by name |
 //! | [`ggx`] | the Trowbridge-Reitz microfacet lobe, isotropic and anisotropic |
-//! | [`dielectric`] | glass and thin sheets: light that is reflected and refracted, smooth and rough |
-//! | [`diffuse`] | matte surfaces: Lambert, Oren-Nayar, EON, Disney's |
-//! | [`disney`] | Disney's BRDF of 2012 and BSDF of 2015 |
-//! | [`sheen`] | fibres: glTF's sheen, OpenPBR's fuzz |
+//! | [`microfacet`] | other distributions of normals and masking terms, and the lobe that they make |
 //! | [`energy`] | the GGX lobe's albedo as a table |
+//! | [`multiscatter`] | light that meets several microfacets: compensated lobes, and the random walk beside them |
+//! | [`diffuse`] | matte surfaces: Lambert, Oren-Nayar, EON, Disney's |
+//! | [`dielectric`] | glass and thin sheets: light that is reflected and refracted, smooth and rough |
+//! | [`rough_conductor`] | metals by name, index or colours |
+//! | [`sheen`] | fibres: glTF's sheen, OpenPBR's fuzz |
+//! | [`hair`] | fibres of hair and fur |
+//! | [`bssrdf`] | light that leaves a surface elsewhere than it entered: normalized diffusion, probes |
+//! | [`measured`] | materials as tables from files |
 //! | [`metal_rough`] | glTF 2.0 Appendix B with `KHR_materials_ior` and `KHR_materials_specular` |
 //! | [`gltf`] | the glTF surface with the Khronos material extensions |
-//! | [`hair`] | fibres of hair and fur |
-//! | [`measured`] | materials as tables from files |
-//! | [`microfacet`] | other distributions of normals and masking terms, and the lobe that they make |
-//! | [`rough_conductor`] | metals by name, index or colours |
-//! | [`classic`] | what shaders compute: Cook-Torrance, Phong, Blinn-Phong |
 //! | [`openpbr`] | OpenPBR 1.1: metal, diffuse, subsurface and glass under film, coat and fuzz |
-//! | [`model`] | the whole models by name, with their parameters |
-//! | [`ior_table`] | measured metals and dielectrics by name |
-//! | [`multiscatter`] | light that meets several microfacets: compensated lobes, and the random walk beside them |
-//! | [`math`] | elementary functions with the same bits on each platform |
-//! | [`sampling`] | disks, hemispheres, cones, triangles, frames, MIS weights |
-//! | [`quadrature`] | integrals over directions on both sides of a surface: maps, panels, total density |
-//! | [`reflectance`] | the reflectances of Nicodemus 1977, reflection and transmission apart |
-//! | [`thin_film`] | colours of films: Airy's sum, and its mean over three colours |
+//! | [`disney`] | Disney's BRDF of 2012 and BSDF of 2015 |
+//! | [`classic`] | what shaders compute: Cook-Torrance, Phong, Blinn-Phong |
 //! | [`layered`] | two interfaces and what lies between, by random walk: the measure of layerings |
-//! | [`laws`] | χ², furnace, reciprocity, as code to run on any closure |
+//! | [`reflectance`] | the reflectances of Nicodemus 1977, reflection and transmission apart |
+//! | [`quadrature`] | integrals over directions on both sides of a surface: maps, panels, total density |
+//! | [`sampling`] | disks, hemispheres, cones, triangles, frames, MIS weights |
+//! | [`math`] | elementary functions with the same bits on each platform |
 //!
 //! # Example
 //! ```
