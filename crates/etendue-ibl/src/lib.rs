@@ -17,14 +17,14 @@
 //! | [`cube_lookup`] | cube maps without seams: bilinear and trilinear lookup |
 //! | [`resample`] | latitude-longitude pictures into cubes |
 //! | [`mip_mapping`] | which mip stands for which roughness |
-//! | [`prefilter`] | the sky as a GGX lobe sees it, by roughness |
+//! | [`mod@prefilter`] | the sky as a GGX lobe sees it, by roughness |
 //! | [`local`] | probes that stand in a room: parallax by a box, blending of two |
 //! | [`dfg`] | how much a GGX lobe reflects, by roughness and angle: tables |
 //! | [`dfg_fit`] | the same as formulas: Lazarov's, Karis', ours |
 //! | [`texel_format`] | what a texel becomes in a file: half floats, shared exponent, BC6H |
 //! | [`bc6h`] | block compression of light |
 //! | [`ktx2`], [`dds`], [`faces`] | cube maps into files |
-//! | [`bake`] | everything from one sky |
+//! | [`mod@bake`] | everything from one sky |
 //! | [`manifest`] | what is what in a folder of baked files |
 //!
 //! # Example

@@ -182,7 +182,7 @@ fn gather(source: &CubeLookup, n: Vec3A, samples: &[Sample]) -> Spectrum {
     sum
 }
 
-/// The integral that [`prefilter`] approximates, summed over all texels of the sky.
+/// The integral that [`prefilter()`] approximates, summed over all texels of the sky.
 #[derive(Clone, Debug)]
 pub struct ExactPrefilter {
     /// Direction, radiance and solid angle of each cell.
