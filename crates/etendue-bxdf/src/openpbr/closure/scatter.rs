@@ -143,6 +143,8 @@ impl OpenPbr {
             reflectance += d.reflectance * view.inside;
             probability += view.p[BEYOND] * d.probability;
         }
+        // Shares that add up to one may miss it by a rounding.
+        let probability = probability.min(1.0);
         (probability > 0.0).then_some(DeltaPart { wi: mirror(wo), reflectance, probability })
     }
 
@@ -152,6 +154,8 @@ impl OpenPbr {
         match &self.beyond {
             Beyond::Sheet(lobe) if lobe.mirror && view.p[BEYOND] > 0.0 => {
                 let passed = self.facets.at(wo.z).passed * view.through * self.over(view, |_| 0.0);
+                // A sheet is no lens: it lets through what there is. (A film of absurd numbers may say otherwise.)
+                let passed = passed.map(|v| v.max(0.0).min(1.0));
                 Some(DeltaPart { wi: -wo, reflectance: passed, probability: view.p[BEYOND] })
             }
             Beyond::Volume(r) => {
