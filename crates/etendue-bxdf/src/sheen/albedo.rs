@@ -95,7 +95,7 @@ impl SheenRow {
         self.below_view(color, cos_o).min(self.below_view(color, cos_i))
     }
 
-    /// The same by the view's direction alone: 1 − color · E(cos_o), the extension's simplified form. It bounds the
+    /// The same by the view's direction alone: 1 − color · E(cos_o), the form that the extension offers for rasterisers. It bounds the
     /// symmetric one from above.
     #[inline]
     pub fn below_view(&self, color: f32, cos_o: f32) -> f32 {
