@@ -85,6 +85,11 @@ impl Surface {
         if let Some(Substitute::Model(model)) = &m.substitute {
             return model.closure(at);
         }
+        Closure::Gltf(self.params(world, hit, m).closure(at))
+    }
+
+    /// What a glTF surface is here, and its frame turned to the direction of anisotropy.
+    pub fn params(&mut self, world: &World, hit: &Hit, m: &Material) -> GltfParams {
         let mut p = factors(m);
         p.base_color = self.base_color(world, hit, m);
         let mut look = Look { surface: self, world, hit };
@@ -102,7 +107,7 @@ impl Surface {
             look.layers(e, &mut p);
             look.surface.turn(world, hit, e, &mut p);
         }
-        Closure::Gltf(p.closure(at))
+        p
     }
 
     /// Turns the frame to the direction of anisotropy, and finds the coat's normal in it.

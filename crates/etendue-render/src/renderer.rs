@@ -1,14 +1,15 @@
 //! A camera, a world and settings: samples of pixels, and batches of them on all threads.
 
 use crate::film::{BEAUTY_PLANES, Film};
-use crate::filter::{Filter, FilterSampler};
+use crate::filter::Filter;
 use crate::fixed::Running;
 use crate::path::{Layers, PathOptions, PathSample, trace};
+use crate::pixel_rays::PixelRays;
 use crate::sampler::Sampler;
 use crate::world::World;
 use crate::{Coverage, Fixed, Pass, PassSet};
 use etendue_color::Spectrum;
-use etendue_scene::{Camera, CameraRays};
+use etendue_scene::Camera;
 use etendue_trace::{Work, run_wide};
 use glam::Vec3A;
 use rayon::prelude::*;
@@ -67,9 +68,8 @@ impl Counters {
 pub struct Renderer<'a> {
     world: &'a World,
     camera: Camera,
-    rays: CameraRays,
+    rays: PixelRays,
     settings: Settings,
-    filter: FilterSampler,
     hashes: [Vec<u32>; 2],
     /// The scene needs more than glTF's core closure.
     whole: bool,
@@ -81,7 +81,6 @@ const TILE: u32 = 16;
 impl<'a> Renderer<'a> {
     /// A renderer of `world` seen by `camera`.
     pub fn new(world: &'a World, camera: Camera, settings: Settings) -> Self {
-        let filter = FilterSampler::new(settings.filter);
         let scene = world.scene();
         let hashes = if settings.passes.has(Pass::ObjectId) || settings.passes.has(Pass::MaterialId) {
             [
@@ -91,8 +90,8 @@ impl<'a> Renderer<'a> {
         } else {
             [Vec::new(), Vec::new()]
         };
-        let rays = camera.rays(settings.width as f32 / settings.height as f32);
-        Self { world, camera, rays, settings, filter, hashes, whole: world.is_whole() }
+        let rays = PixelRays::new(&camera, [settings.width, settings.height], settings.filter);
+        Self { world, camera, rays, settings, hashes, whole: world.is_whole() }
     }
 
     /// The settings that it was made with.
@@ -136,12 +135,8 @@ impl<'a> Renderer<'a> {
     ) -> PathSample {
         let s = &self.settings;
         let sampler = Sampler::new(s.seed, x, y, index);
-        let [u0, u1, ..] = sampler.get4(0);
-        let (dx, dy) = (self.filter.sample(u0), self.filter.sample(u1));
-        let (w, h) = (s.width as f32, s.height as f32);
-        let ndc = [(x as f32 + 0.5 + dx) / w * 2.0 - 1.0, 1.0 - (y as f32 + 0.5 + dy) / h * 2.0];
-        let (origin, direction) = self.rays.ray(ndc);
-        trace::<LAYERS, WHOLE>(self.world, &s.path, &sampler, origin, direction, self.rays.axis, layers)
+        let (origin, direction) = self.rays.sample([x, y], &sampler);
+        trace::<LAYERS, WHOLE>(self.world, &s.path, &sampler, origin, direction, self.rays.axis(), layers)
     }
 
     /// Takes the samples `from..to` of every pixel and adds them to `film`, on all threads of the current pool.

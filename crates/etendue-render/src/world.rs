@@ -154,19 +154,27 @@ impl World {
     /// True if the surface is there for this ray: the alpha test. `key` makes the choice for blended surfaces.
     #[inline(always)]
     pub(crate) fn accepts(&self, key: u32, instance: u32, triangle: u32, u: f32, v: f32) -> bool {
+        let m = &self.scene.materials[self.instances[instance as usize].material as usize];
+        let alpha = self.alpha(instance, triangle, u, v);
+        match m.alpha_mode {
+            AlphaMode::Opaque => true,
+            AlphaMode::Mask(cutoff) => alpha >= cutoff,
+            AlphaMode::Blend => unit(hash(key ^ hash(triangle ^ hash(instance)))) < alpha,
+        }
+    }
+
+    /// Opacity of a point: factor times vertex colour times texture.
+    #[inline(always)]
+    pub(crate) fn alpha(&self, instance: u32, triangle: u32, u: f32, v: f32) -> f32 {
         let i = &self.instances[instance as usize];
         let m = &self.scene.materials[i.material as usize];
         let mesh = &self.meshes[i.mesh as usize];
         let corners = mesh.indices[triangle as usize];
         let mut lookup = Lookup::new(corners, [1.0 - u - v, u, v]);
-        let mut alpha = m.alpha * lookup.vertex_color(mesh).w;
-        if let Some(t) = &m.base_color_texture {
-            alpha *= lookup.linear(self, mesh, t).w;
-        }
-        match m.alpha_mode {
-            AlphaMode::Opaque => true,
-            AlphaMode::Mask(cutoff) => alpha >= cutoff,
-            AlphaMode::Blend => unit(hash(key ^ hash(triangle ^ hash(instance)))) < alpha,
+        let alpha = m.alpha * lookup.vertex_color(mesh).w;
+        match &m.base_color_texture {
+            Some(t) => alpha * lookup.linear(self, mesh, t).w,
+            None => alpha,
         }
     }
 
