@@ -1,0 +1,44 @@
+//! Lights and sky together.
+
+use crate::choices::Choices;
+use crate::light::{AreaLight, PunctualLight};
+use crate::sky_light::SkyLight;
+use crate::zonal::ZonalTable;
+use etendue_ibl::BadSky;
+use etendue_scene::Scene;
+
+/// All light of a scene, ready for [`crate::shade()`].
+///
+/// What is made of the sky depends on the choices: shade with those that it was made for, or with others that differ only in
+/// keys that are not about the sky. (With others the next best that is there stands in.)
+#[derive(Clone, Debug, Default)]
+pub struct Lighting {
+    /// Directional, point and spot lights.
+    pub lights: Vec<PunctualLight>,
+    /// Rectangles, disks and spheres; numbered after `lights` in [`crate::Toward::light`].
+    pub areas: Vec<AreaLight>,
+    /// `None` if the sky is black.
+    pub sky: Option<SkyLight>,
+    /// Kernels about a normal.
+    pub zonal: ZonalTable,
+}
+
+impl Lighting {
+    /// Takes over the scene's lights (those without light are left out) and integrates its sky for `choices`.
+    ///
+    /// # Errors
+    /// [`BadSky`] when the environment is no picture of light.
+    pub fn new(scene: &Scene, choices: &Choices) -> Result<Self, BadSky> {
+        Ok(Self {
+            lights: scene
+                .lights
+                .iter()
+                .filter(|l| l.intensity.max_element() > 0.0)
+                .map(PunctualLight::from)
+                .collect(),
+            areas: Vec::new(),
+            sky: SkyLight::new(&scene.environment, choices)?,
+            zonal: ZonalTable::new(),
+        })
+    }
+}
