@@ -14,6 +14,7 @@ use etendue_bxdf::{
         grid::{self, ANGLES, Subject, wo_at},
         reciprocity, sampling, sidak,
     },
+    multiscatter::Compensation,
     quadrature::{average_albedo, directional_albedo},
 };
 use etendue_color::Spectrum;
@@ -82,8 +83,8 @@ fn weights_and_densities_agree_with_eval() {
         assert!(m.weight_error < 2e-6 && m.pdf_error < 2e-6 && m.split_error < 1e-6, "{at}");
         assert!(m.length_error < 2e-6, "{at}");
         assert!(m.pdf_integral <= 1.0 + 2e-5, "{at}");
-        // Two-sided normal quantile at 1 % over the cells, generously: 4.5 σ is 7e-6.
-        assert!(m.z < 4.5, "{at}");
+        // 1 % over the cells, generously.
+        assert!(m.p > 7e-6, "{at}");
         // Bounded by one over the smaller lobe's share; a loss of digits would show as a far larger one.
         assert!(m.largest_weight < 20.0, "{at}");
     });
@@ -141,7 +142,8 @@ fn single_scattering_loses_what_is_known() {
 fn a_white_dielectric_returns_the_sky() {
     for roughness in [0.0, 0.05, 0.2, 0.5, 1.0] {
         for ior in [1.0, 1.33, 1.5, 2.42] {
-            let p = MetalRoughParams { roughness, ior, ..Default::default() };
+            let compensation = Compensation::None;
+            let p = MetalRoughParams { roughness, ior, compensation, ..Default::default() };
             let f0 = etendue_bxdf::fresnel::f0_from_ior(ior);
             for angle in [0.0, 45.0, 75.0, 85.0] {
                 let wo = wo_at(angle);
@@ -223,6 +225,7 @@ fn parameters_mean_what_gltf_says() {
         ior: 2.0,
         specular: 0.6,
         specular_color,
+        compensation: Compensation::None,
     };
     let e = rough(p).eval_pdf(wo, wi);
     let f0_ior = (1.0f32 / 3.0).powi(2);
@@ -272,7 +275,15 @@ fn no_input_breaks_anything() {
         let four = |rng: &mut Rng| Spectrum(core::array::from_fn(|_| number(rng)));
         let (base_color, specular_color) = (four(&mut rng), four(&mut rng));
         let [metallic, roughness, ior, specular] = four(&mut rng).0;
-        let p = MetalRoughParams { base_color, metallic, roughness, ior, specular, specular_color };
+        let p = MetalRoughParams {
+            base_color,
+            metallic,
+            roughness,
+            ior,
+            specular,
+            specular_color,
+            ..Default::default()
+        };
         let [ax, ay, _, _] = four(&mut rng).0;
         let direction = |rng: &mut Rng| {
             let v = four(rng);

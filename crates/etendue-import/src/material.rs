@@ -5,6 +5,7 @@ use crate::error::Fault;
 use crate::surface;
 use crate::texture::Textures;
 use crate::warning::Warnings;
+
 use etendue_scene::{AlphaMode, Material, NormalTexture, TextureRef};
 use glam::{Affine2, Mat2, Vec2, Vec3};
 
@@ -146,6 +147,7 @@ pub(crate) fn convert(
         specular_texture,
         specular_color: p.vec3(specular.color, Vec3::ONE, POSITIVE, "specularColorFactor"),
         specular_color_texture,
+        compensation: Default::default(),
         extensions: surface.extensions,
         substitute: None,
     };

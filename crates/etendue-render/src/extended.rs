@@ -25,6 +25,7 @@ pub(crate) fn factors(m: &Material) -> GltfParams {
         ior: m.ior,
         specular: m.specular,
         specular_color: spectrum(m.specular_color),
+        compensation: m.compensation,
         ..GltfParams::default()
     };
     let Some(e) = &m.extensions else { return p };

@@ -7,7 +7,7 @@ use etendue_scene::{Camera, Environment, Mesh, Scene};
 use rayon::prelude::*;
 
 /// Raised when a change makes the same scene and settings give other samples.
-const SAMPLES_VERSION: u32 = 1;
+const SAMPLES_VERSION: u32 = 2;
 
 /// CRC-32 of all that the scene's light depends on.
 pub(crate) fn scene(scene: &Scene) -> u32 {

@@ -186,6 +186,7 @@ impl Surface {
             ior: m.ior,
             specular: specular.clamp(0.0, 1.0),
             specular_color: Spectrum::from_rgb(specular_color.max(glam::Vec3::ZERO).to_array()),
+            compensation: m.compensation,
         })
     }
 

@@ -1,6 +1,7 @@
 //! Surfaces, in the words of glTF 2.0 and its ratified extensions.
 
 use crate::{Extensions, Substitute, TextureRef};
+use etendue_bxdf::multiscatter::Compensation;
 use glam::Vec3;
 
 /// How the base colour's alpha is read.
@@ -67,6 +68,8 @@ pub struct Material {
     pub specular_color: Vec3,
     /// sRGB, multiplies `specular_color`.
     pub specular_color_texture: Option<TextureRef>,
+    /// What is done about light that meets several microfacets: glTF leaves it open.
+    pub compensation: Compensation,
     /// What further extensions add; `None` if the material uses none of them.
     pub extensions: Option<Box<Extensions>>,
     /// What scatters in place of the factors above.
@@ -97,6 +100,7 @@ impl Default for Material {
             specular_texture: None,
             specular_color: Vec3::ONE,
             specular_color_texture: None,
+            compensation: Compensation::default(),
             extensions: None,
             substitute: None,
         }

@@ -6,6 +6,7 @@ use crate::{
     dielectric::{GgxDielectric, Interface, ThinGgx},
     fresnel::schlick_weight,
     ggx::mirror,
+    multiscatter::Further,
 };
 use etendue_color::Spectrum;
 use glam::Vec3A;
@@ -27,13 +28,25 @@ pub(super) struct Base {
     pub facet: Facet,
     pub shape: Shape,
     pub body: Body,
+    /// Reflected light of further bounces.
+    pub further: Option<Further>,
 }
 
 impl Base {
+    /// What is done about light that is reflected more than once: the factor of what the facets reflect once, and the
+    /// probability of the wide lobe.
+    #[inline(always)]
+    fn further_at(&self, wo: Vec3A) -> (f32, Spectrum, f32) {
+        self.further.as_ref().map_or((0.0, Spectrum::ONE, 0.0), |f| {
+            let lost = f.lost(wo.z);
+            (lost, f.scale(lost), f.probability(lost))
+        })
+    }
+
     /// The base's specular part on both sides, without layers.
     #[inline(always)]
     pub fn eval_pdf(&self, wo: Vec3A, wi: Vec3A) -> Eval {
-        match &self.body {
+        let mut e = match &self.body {
             Body::Thin(lobe) => lobe.eval_pdf(wo, wi),
             Body::Solid(lobe) => lobe.eval_pdf(wo, wi),
             Body::Opaque if self.shape.mirror || !(wi.z > 0.0) => Eval::ZERO,
@@ -42,12 +55,21 @@ impl Base {
                 let specular = self.facet.reflect(pair.cos_half) * pair.value;
                 Eval { diffuse: Spectrum::ZERO, specular, pdf: pair.pdf }
             }
+        };
+        if let Some(f) = &self.further {
+            let (lost, scale, p) = self.further_at(wo);
+            e.pdf *= 1.0 - p;
+            if wi.z > 0.0 {
+                e.specular = e.specular * scale + f.value(lost, wi.z);
+                e.pdf += p * f.pdf(wi.z);
+            }
         }
+        e
     }
 
     #[inline(always)]
     pub fn deltas(&self, wo: Vec3A) -> [Option<DeltaPart>; 2] {
-        match &self.body {
+        let parts = match &self.body {
             Body::Thin(lobe) => lobe.deltas(wo),
             Body::Solid(lobe) => lobe.deltas(wo),
             Body::Opaque => {
@@ -55,13 +77,19 @@ impl Base {
                     DeltaPart { wi: mirror(wo), reflectance: self.facet.reflect(wo.z), probability: 1.0 };
                 [self.shape.mirror.then_some(part), None]
             }
+        };
+        if self.further.is_none() {
+            return parts;
         }
+        // Of a sheet whose reflection is rough and whose transmission is not.
+        let (_, _, p) = self.further_at(wo);
+        parts.map(|d| d.map(|d| DeltaPart { probability: d.probability * (1.0 - p), ..d }))
     }
 
     /// What the base's specular part reflects and lets through, summed over lanes: an estimate.
     #[inline(always)]
     pub fn energy(&self, wo: Vec3A) -> [Spectrum; 2] {
-        match &self.body {
+        let [mut reflected, passed] = match &self.body {
             Body::Thin(lobe) => lobe.energy(wo),
             Body::Solid(lobe) => lobe.energy(wo),
             Body::Opaque => {
@@ -74,7 +102,12 @@ impl Base {
                 };
                 [(f0 + (Spectrum::splat(f90) - f0) * w) * e, Spectrum::ZERO]
             }
+        };
+        if let Some(f) = &self.further {
+            let (lost, scale, _) = self.further_at(wo);
+            reflected = reflected * scale + f.albedo(lost);
         }
+        [reflected, passed]
     }
 
     /// True if it lets nothing through.
@@ -83,9 +116,28 @@ impl Base {
         matches!(self.body, Body::Opaque)
     }
 
-    /// A sample of its own, if light passes it.
+    /// A direction with the density of [`Base::eval_pdf`], and whether it is one of [`Base::deltas`].
     #[inline(always)]
-    pub fn sample_through(&self, wo: Vec3A, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
+    pub fn sample(&self, wo: Vec3A, uc: f32, u: [f32; 2]) -> Option<(Vec3A, bool)> {
+        let mut uc = uc;
+        if let Some(f) = &self.further {
+            let (_, _, p) = self.further_at(wo);
+            if uc < p {
+                return Some((f.sample(u), false));
+            }
+            uc = (uc - p) / (1.0 - p);
+        }
+        match &self.body {
+            Body::Thin(lobe) => lobe.sample(wo, uc, u).map(|s| (s.wi, s.delta)),
+            Body::Solid(lobe) => lobe.sample(wo, uc, u).map(|s| (s.wi, s.delta)),
+            Body::Opaque if self.shape.mirror => Some((mirror(wo), true)),
+            Body::Opaque => Some((self.shape.ggx.sample_reflection(wo, u), false)),
+        }
+    }
+
+    /// The whole sample of a body that light passes, where nothing else scatters.
+    #[inline(always)]
+    pub fn sample_bare(&self, wo: Vec3A, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
         match &self.body {
             Body::Thin(lobe) => lobe.sample(wo, uc, u),
             Body::Solid(lobe) => lobe.sample(wo, uc, u),

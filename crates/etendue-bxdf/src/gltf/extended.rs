@@ -12,8 +12,8 @@ use crate::{
     bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS},
     dielectric::{GgxDielectric, Interface, ThinGgx},
     fresnel::f0_from_ior,
-    ggx::mirror,
     model::{Incidence, Transport},
+    multiscatter::Further,
     sampling::cosine_hemisphere,
     sheen::Sheen,
     thin_film::Lanes,
@@ -135,6 +135,9 @@ impl Extended {
         let diffuse =
             [base * (rest * (1.0 - far) * FRAC_1_PI), far_color * (rest * far * FRAC_1_PI * squeeze)];
 
+        let further =
+            Further::worthwhile(shape.ggx.alpha(), facet.average(), facet.reflect(1.0), p.compensation);
+
         let coverage = unit(p.clearcoat);
         let mut coat =
             (coverage > 0.0).then(|| Coat::new(coverage, unit(p.clearcoat_roughness), p.clearcoat_normal));
@@ -146,7 +149,7 @@ impl Extended {
             sheen: (sheen_max > 0.0).then(|| Sheen::new(sheen_color, p.sheen_roughness)),
             sheen_max,
             layers: if solid { [at.front, !at.front] } else { [true, true] },
-            base: Base { facet, shape, body },
+            base: Base { facet, shape, body, further },
             through_shape,
             diffuse,
             inv_entering: [1.0; 2],
@@ -367,8 +370,8 @@ impl Bsdf for Extended {
             return None;
         }
         let opaque = self.base.is_opaque();
-        if self.is_bare() && !opaque {
-            return self.base.sample_through(wo, uc, u);
+        if self.is_bare() && !opaque && self.base.further.is_none() {
+            return self.base.sample_bare(wo, uc, u);
         }
         let view = self.view(wo);
         let (lobe, uc) = pick(&view.p, uc);
@@ -376,9 +379,7 @@ impl Bsdf for Extended {
         let (wi, delta) = match (lobe, &self.coat, &self.sheen) {
             (COAT, Some(c), _) => (c.sample(wo, u)?, c.is_mirror()),
             (SHEEN, _, Some(s)) => (s.sample(wo, uc, u)?.wi, false),
-            (SPECULAR, ..) if !opaque => self.base.sample_through(wo, uc, u).map(|s| (s.wi, s.delta))?,
-            (SPECULAR, ..) if self.base.shape.mirror => (mirror(wo), true),
-            (SPECULAR, ..) => (self.base.shape.ggx.sample_reflection(wo, u), false),
+            (SPECULAR, ..) => self.base.sample(wo, uc, u)?,
             (THROUGH, ..) => (-cosine_hemisphere(u), false),
             _ => (cosine_hemisphere(u), false),
         };

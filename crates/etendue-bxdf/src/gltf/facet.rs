@@ -134,6 +134,26 @@ impl Facet {
         (self.f0, self.f90)
     }
 
+    /// What it reflects on average over the hemisphere, from the side of the smaller index: exact on Schlick's curve, under a
+    /// film an estimate by the four-point Gauss-Legendre rule in the cosine.
+    #[inline]
+    pub fn average(&self) -> Spectrum {
+        const NODES: [[f32; 2]; 4] = [
+            [0.069_431_84, 0.173_927_42],
+            [0.330_009_48, 0.326_072_58],
+            [0.669_990_52, 0.326_072_58],
+            [0.930_568_16, 0.173_927_42],
+        ];
+        if self.film.is_none() {
+            return self.f0.lerp(Spectrum::splat(self.f90), 1.0 / 21.0);
+        }
+        let mut sum = Spectrum::ZERO;
+        for [cos, weight] in NODES {
+            sum += self.mixed(cos) * (2.0 * cos * weight);
+        }
+        sum.map(|v| v.max(0.0).min(1.0))
+    }
+
     /// If the dielectric's largest lane is one curve of Schlick's: its F0 and F90.
     #[inline(always)]
     pub fn under_schlick(&self) -> Option<(f32, f32)> {

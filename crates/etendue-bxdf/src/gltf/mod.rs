@@ -28,6 +28,10 @@
 //! No light goes to and fro between coat and base: that the extension leaves out too. So a coated surface keeps its colour
 //! and does not darken.
 //!
+//! # Further bounces
+//! Light that is reflected by several microfacets comes back by a wide lobe, as in [`crate::metal_rough`]
+//! ([`Compensation`](crate::multiscatter::Compensation)). Light that passes a rough sheet or boundary gets none.
+//!
 //! # Volumes
 //! `thickness` > 0 with `transmission` > 0 is the boundary of a volume: microfacets refract ([`crate::dielectric::GgxDielectric`]), total
 //! reflection is complete, coat and sheen lie outside. Without `transmission`, light that is diffusely transmitted enters the

@@ -1,6 +1,6 @@
 //! What a glTF surface with extensions is at a point.
 
-use crate::{metal_rough::MetalRoughParams, parameters};
+use crate::{metal_rough::MetalRoughParams, multiscatter::Compensation, parameters};
 use etendue_color::Spectrum;
 use glam::Vec3A;
 
@@ -56,6 +56,8 @@ parameters! {
         diffuse_transmission: f32 = 0.0, 0.0..1.0;
         /// Colour of the light that is diffusely transmitted; lanes 0..1.
         diffuse_transmission_color: Spectrum = Spectrum::ONE, 0.0..1.0;
+        /// What is done about light that is reflected by several microfacets.
+        compensation: Compensation = Compensation::KullaConty, 0.0..1.0;
     }
 }
 
@@ -87,6 +89,7 @@ impl GltfParams {
             ior: self.ior,
             specular: self.specular,
             specular_color: self.specular_color,
+            compensation: self.compensation,
         }
     }
 
@@ -111,6 +114,7 @@ impl From<MetalRoughParams> for GltfParams {
             ior: p.ior,
             specular: p.specular,
             specular_color: p.specular_color,
+            compensation: p.compensation,
             ..Self::default()
         }
     }

@@ -6,6 +6,7 @@ use crate::{
     fresnel::Schlick,
     ggx::GgxReflection,
     metal_rough::{Coupling, MetalRough, MetalRoughParams},
+    multiscatter::Compensation,
 };
 use etendue_color::Spectrum;
 use glam::{Vec3A, vec3a};
@@ -71,6 +72,7 @@ pub fn metal_rough() -> Vec<Subject> {
             let p = MetalRoughParams { metallic, roughness, ..Default::default() };
             push("white", p);
             push("coloured", MetalRoughParams { base_color: coloured, ..p });
+            push("uncompensated", MetalRoughParams { compensation: Compensation::None, ..p });
         }
         let p = MetalRoughParams { roughness, base_color: Spectrum::ONE, ..Default::default() };
         push("ior 0", MetalRoughParams { ior: 0.0, specular_color: Spectrum::rgb(0.3, 0.6, 0.1), ..p });

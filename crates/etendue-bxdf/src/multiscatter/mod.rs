@@ -12,12 +12,14 @@
 //! How much is missing is in the tables of [`loss`].
 
 mod dielectric;
+mod further;
 pub mod loss;
 mod microsurface;
 mod reflection;
 mod wide;
 
 pub use dielectric::CompensatedDielectric;
+pub(crate) use further::Further;
 pub use microsurface::{Microsurface, Opaque, Walked};
 pub use reflection::CompensatedGgx;
 

@@ -1,6 +1,6 @@
 //! The GGX mirror with the light of further bounces.
 
-use super::{Compensation, loss::MirrorLoss, mean_alpha, wide::Wide};
+use super::{Compensation, Further, mean_alpha};
 use crate::{
     bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS},
     energy::Row,
@@ -8,7 +8,6 @@ use crate::{
     fresnel_term::Fresnel,
     ggx::{ALPHA_DELTA, Ggx, mirror},
 };
-use core::f32::consts::FRAC_1_PI;
 use etendue_color::Spectrum;
 use glam::Vec3A;
 
@@ -40,15 +39,9 @@ pub struct CompensatedGgx<F> {
     ggx: Ggx,
     fresnel: F,
     smooth: bool,
-    compensation: Compensation,
-    loss: MirrorLoss,
+    further: Further,
     row: Row,
-    wide: Wide,
-    /// F_ms / (π L̄).
-    multiple: Spectrum,
     f0: Spectrum,
-    /// F(1), less where the two α differ.
-    gain: Spectrum,
 }
 
 impl<F: Fresnel> CompensatedGgx<F> {
@@ -56,29 +49,15 @@ impl<F: Fresnel> CompensatedGgx<F> {
     #[inline]
     pub fn new(alpha: [f32; 2], fresnel: F, compensation: Compensation) -> Self {
         let ggx = Ggx::new(alpha[0], alpha[1]);
-        let (mean, share) = mean_alpha(ggx.alpha());
-        // Also taken by NaN.
-        let smooth = !(alpha[0].max(alpha[1]) >= ALPHA_DELTA);
-        let loss = MirrorLoss::new(mean);
-        let multiple = if compensation == Compensation::KullaConty && !smooth {
-            let (lost, kept) = (loss.average(), 1.0 - loss.average());
-            fresnel.average().map(|f| f * f * kept / (1.0 - f * lost)) * (share * FRAC_1_PI / lost)
-        } else {
-            Spectrum::ZERO
-        };
         let f0 = fresnel.eval(1.0);
-        let gain = f0 * share;
         Self {
             ggx,
             fresnel,
-            smooth,
-            compensation,
-            loss,
-            row: Row::new(mean.sqrt()),
-            wide: Wide::new(mean),
-            multiple,
+            // Also taken by NaN.
+            smooth: !(alpha[0].max(alpha[1]) >= ALPHA_DELTA),
+            further: Further::new(ggx.alpha(), fresnel.average(), f0, compensation),
+            row: Row::new(mean_alpha(ggx.alpha()).0.sqrt()),
             f0,
-            gain,
         }
     }
 
@@ -94,33 +73,13 @@ impl<F: Fresnel> CompensatedGgx<F> {
         self.smooth
     }
 
-    /// The factor of the single-scattering lobe.
-    #[inline(always)]
-    fn scale(&self, lost: f32) -> Spectrum {
-        match self.compensation {
-            Compensation::Turquin => Spectrum::ONE + self.gain * (lost / (1.0 - lost)),
-            _ => Spectrum::ONE,
-        }
-    }
-
-    /// Probability of the wide lobe: its part of the albedo for F = 1.
-    #[inline(always)]
-    fn p_multiple(&self, lost: f32) -> f32 {
-        if self.multiple.is_black() { 0.0 } else { lost }
-    }
-
     #[inline(always)]
     fn at(&self, lost: f32, wo: Vec3A, wi: Vec3A) -> Eval {
         let pair = self.ggx.pair(wo, wi);
-        let single = self.fresnel.eval(pair.cos_half) * pair.value * self.scale(lost);
-        let p = self.p_multiple(lost);
-        let multiple = if self.multiple.is_black() {
-            Spectrum::ZERO
-        } else {
-            self.multiple * (lost * self.loss.directional(wi.z))
-        };
-        let pdf = (1.0 - p) * pair.pdf + p * self.wide.pdf(wi.z);
-        let specular = single + multiple;
+        let single = self.fresnel.eval(pair.cos_half) * pair.value * self.further.scale(lost);
+        let p = self.further.probability(lost);
+        let pdf = (1.0 - p) * pair.pdf + p * self.further.pdf(wi.z);
+        let specular = single + self.further.value(lost, wi.z);
         if pdf < f32::INFINITY && specular.is_finite() {
             Eval { diffuse: Spectrum::ZERO, specular, pdf }
         } else {
@@ -136,7 +95,7 @@ impl<F: Fresnel> Bsdf for CompensatedGgx<F> {
         if self.smooth || !(wo.z > MIN_COS && wi.z > MIN_COS) {
             return Eval::ZERO;
         }
-        self.at(self.loss.directional(wo.z), wo, wi)
+        self.at(self.further.lost(wo.z), wo, wi)
     }
 
     #[inline]
@@ -147,9 +106,9 @@ impl<F: Fresnel> Bsdf for CompensatedGgx<F> {
         let (wi, weight, pdf) = if self.smooth {
             (mirror(wo), self.fresnel.eval(wo.z), 1.0)
         } else {
-            let lost = self.loss.directional(wo.z);
-            let wi = if uc.max(0.0) < self.p_multiple(lost) {
-                self.wide.sample(u)
+            let lost = self.further.lost(wo.z);
+            let wi = if uc.max(0.0) < self.further.probability(lost) {
+                self.further.sample(u)
             } else {
                 self.ggx.sample_reflection(wo, u)
             };
@@ -185,10 +144,8 @@ impl<F: Fresnel> Bsdf for CompensatedGgx<F> {
         // The mean over the facets that are seen, by the shape of Schlick's curve between the Fresnel term's ends.
         let w = self.row.directional(wo.z).w - schlick_weight(wo.z);
         let mean = (straight + (self.fresnel.eval(0.0) - self.f0) * w).map(|v| v.max(0.0).min(1.0));
-        let lost = self.loss.directional(wo.z);
-        // π · multiple · L̄ is F_ms.
-        let multiple = self.multiple * (lost * self.loss.average() * core::f32::consts::PI);
-        mean * (1.0 - lost) * self.scale(lost) + multiple
+        let lost = self.further.lost(wo.z);
+        mean * (1.0 - lost) * self.further.scale(lost) + self.further.albedo(lost)
     }
 
     fn deltas(&self, wo: Vec3A) -> [Option<DeltaPart>; 2] {

@@ -1,6 +1,8 @@
 //! What can be said on the command line.
 
 use super::bake_args::BakeArgs;
+use crate::bxdf::model::Field;
+use crate::bxdf::multiscatter::Compensation;
 use crate::color::ToneCurve;
 use crate::render::{Filter, PassSet};
 use clap::{Args, Parser, Subcommand};
@@ -72,6 +74,10 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "[NAME=]MODEL[:PARAMETER=VALUE]", help_heading = "Scene")]
     #[serde(default)]
     pub material: Vec<String>,
+    /// What is done about light that meets several microfacets of a glTF surface: a second lobe gives it back (kulla-conty), the lobe is scaled (turquin), or it is lost, as in glTF's appendix (none) [default: kulla-conty]
+    #[arg(long, value_name = "WAY", value_parser = clap::builder::PossibleValuesParser::new(Compensation::CHOICES), help_heading = "Scene")]
+    #[serde(default)]
+    pub compensation: Option<String>,
     /// Let the model read files outside its own folder
     #[arg(long, help_heading = "Scene")]
     pub allow_outside: bool,

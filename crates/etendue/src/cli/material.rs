@@ -1,7 +1,8 @@
 //! `--material`: other models in place of a file's materials.
 
 use super::CliError;
-use crate::bxdf::model::Model;
+use crate::bxdf::model::{Field, Model, Value};
+use crate::bxdf::multiscatter::Compensation;
 use crate::scene::{Material, MeasuredMaterial, Scene, Substitute};
 use glam::Vec3;
 use std::path::Path;
@@ -45,15 +46,29 @@ impl std::str::FromStr for Replacement {
     }
 }
 
+/// Gives a material of its own to what has none, so that it can be changed.
+fn spell_out_the_default(scene: &mut Scene) {
+    if scene.instances.iter().any(|i| i.material.is_none()) {
+        let default = scene.materials.len() as u32;
+        scene.materials.push(Material::default());
+        scene.instances.iter_mut().for_each(|i| i.material = Some(i.material.unwrap_or(default)));
+    }
+}
+
+/// `--compensation`: for all of the scene's glTF surfaces.
+pub(crate) fn compensate(scene: &mut Scene, way: &str) {
+    let way = Compensation::CHOICES.iter().find(|c| **c == way);
+    if let Some(way) = way.and_then(|w| Compensation::from_value(Value::Choice(w))) {
+        spell_out_the_default(scene);
+        scene.materials.iter_mut().for_each(|m| m.compensation = way);
+    }
+}
+
 impl Replacement {
     /// Puts the model in place; later replacements go over earlier ones.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), CliError> {
         let Some(name) = &self.of else {
-            if scene.instances.iter().any(|i| i.material.is_none()) {
-                let default = scene.materials.len() as u32;
-                scene.materials.push(Material::default());
-                scene.instances.iter_mut().for_each(|i| i.material = Some(i.material.unwrap_or(default)));
-            }
+            spell_out_the_default(scene);
             scene.materials.iter_mut().for_each(|m| self.put(m));
             return Ok(());
         };

@@ -3,7 +3,7 @@
 use super::args::RenderArgs;
 use super::error::shell_word;
 use super::goal::Goal;
-use super::material::Replacement;
+use super::material::{Replacement, compensate};
 use super::output::{ARGUMENTS, NAMES, notes, read_film, write_film, write_film_picture};
 use super::report::{Times, report};
 use super::work::{Job, listen_for_interrupts};
@@ -46,6 +46,9 @@ pub(crate) fn run(args: RenderArgs) -> Result<(), CliError> {
     scene.environment = environment;
     if let Some(name) = &args.variant {
         scene.select_variant(name).map_err(CliError::Usage)?;
+    }
+    if let Some(way) = &args.compensation {
+        compensate(&mut scene, way);
     }
     for text in &args.material {
         text.parse::<Replacement>()?.apply(&mut scene)?;
