@@ -3,6 +3,7 @@
 //!
 //! - [`decode`]: PNG, JPEG, WebP → [`Image`] at the file's own depth, for textures.
 //! - [`read_environment`]: Radiance HDR, OpenEXR → linear light without a pixel that is not finite.
+//! - [`decode_picture`]: any of these as it stands, to be looked at or compared.
 //! - [`write_picture`], [`write_layers_exr`]: light → files, atomically, with [`Metadata`].
 //! - [`develop`]: exposure, tone curve, encoding.
 //! - [`rmse`], [`rel_mse`], [`psnr`], [`ldr_flip`], [`hdr_flip`]: how far a picture is from its reference.
@@ -19,6 +20,7 @@ mod exr_write;
 mod hdr;
 mod metadata;
 mod metrics;
+mod picture;
 mod write;
 
 pub use atomic::write_atomic;
@@ -31,4 +33,5 @@ pub use exr_read::read_exr_layers;
 pub use exr_write::{ChannelData, ExrImage, Layer, write_layers_exr};
 pub use metadata::Metadata;
 pub use metrics::{DEFAULT_PPD, Flip, hdr_flip, ldr_flip, psnr, rel_mse, rmse};
+pub use picture::decode_picture;
 pub use write::{PictureFormat, WriteOptions, encode_picture, write_picture};

@@ -8,7 +8,7 @@ mod raster;
 pub(crate) mod svg;
 
 pub use chart::{Axis, Chart, Series};
-pub use palette::{DIVERGING, HEAT, LINES, Rgb, scale};
+pub use palette::{DIVERGING, HEAT, LINES, MAGMA, Rgb, scale};
 
 /// Where a text's given point lies in it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

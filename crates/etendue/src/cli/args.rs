@@ -1,6 +1,7 @@
 //! What can be said on the command line.
 
 use super::bake_args::BakeArgs;
+use super::compare_args::CompareArgs;
 use crate::bxdf::model::Field;
 use crate::bxdf::multiscatter::Compensation;
 use crate::color::ToneCurve;
@@ -35,6 +36,8 @@ pub(crate) enum Command {
     Bench(BenchArgs),
     /// Integrate a sky for real-time shading: harmonics, irradiance, prefiltered cube, reflectance table
     Bake(BakeArgs),
+    /// Measure how far a picture is from its reference: FLIP, RMSE, relMSE, a report; ends with 3 above --max-flip
+    Compare(CompareArgs),
     /// Plot scattering models, put them to the laws of light, compare formulas
     Lab(LabArgs),
 }
@@ -103,10 +106,14 @@ pub(crate) struct RenderArgs {
     #[arg(long, default_value_t, help_heading = "Picture")]
     #[serde(with = "text")]
     pub filter: Filter,
+    /// Show what the lights and the sky alone make of each surface: nothing shadows, no surface lights another
+    #[arg(long, help_heading = "Picture")]
+    #[serde(default)]
+    pub light_only: bool,
     /// Leave the sky out of the picture: transparent where there is no surface
     #[arg(long, help_heading = "Picture")]
     pub transparent: bool,
-    /// Record passes into a layered .exr, separated by commas: albedo, normal, position, depth, uv, direct, indirect, diffuse, specular, emission, environment, object, material, or all
+    /// Record passes into a layered .exr, separated by commas: albedo, normal, position, depth, uv, direct, indirect, diffuse, specular, emission, environment, light-diffuse, light-specular, sky-diffuse, sky-specular, bounce-diffuse, bounce-specular, transmission, object, material; parts for those that add up to the picture, or all
     #[arg(long, value_name = "LIST", default_value_t, hide_default_value = true, value_parser = PassSet::parse, help_heading = "Picture")]
     #[serde(with = "passes")]
     pub passes: PassSet,

@@ -115,6 +115,20 @@ pub enum CliError {
         /// Where they are listed.
         report: PathBuf,
     },
+    /// Two pictures that have nothing to be compared by.
+    #[error("cannot compare: {0}")]
+    #[diagnostic(help("{}", incomparable_help(_0)))]
+    Incomparable(crate::lab::compare::CompareError),
+    /// A picture is further from its reference than it may be.
+    #[error("the mean FLIP is {flip:.5}, and at most {limit} was asked for{}", see(report))]
+    Differs {
+        /// Mean FLIP.
+        flip: f64,
+        /// What it may be.
+        limit: f64,
+        /// The page that shows it, if one was asked for.
+        report: Option<PathBuf>,
+    },
     /// Anything else.
     #[error("{0}")]
     Other(String),
@@ -128,6 +142,19 @@ fn absolute(path: &std::path::Path) -> String {
 fn cause(path: &std::path::Path, source: &std::io::Error) -> String {
     let (text, prefix) = (source.to_string(), format!("{}: ", path.display()));
     text.strip_prefix(&prefix).unwrap_or(&text).to_string()
+}
+
+fn see(report: &Option<PathBuf>) -> String {
+    report.as_ref().map_or(String::new(), |r| format!("; see {}", r.display()))
+}
+
+fn incomparable_help(e: &crate::lab::compare::CompareError) -> &'static str {
+    match e {
+        crate::lab::compare::CompareError::Kind { .. } => {
+            "`etendue tonemap LIGHT -o PICTURE.png` develops light; then compare the pictures"
+        }
+        _ => "pictures are compared pixel by pixel: bring both to one size",
+    }
 }
 
 fn import_help(e: &ImportError) -> String {
@@ -153,9 +180,13 @@ pub(crate) fn shell_word(text: &str) -> String {
 }
 
 impl CliError {
-    /// 2 for wrong usage, 1 for anything else.
+    /// 2 for wrong usage, 3 for pictures that differ by more than is allowed, 1 for anything else.
     pub fn exit_code(&self) -> u8 {
-        if matches!(self, Self::Usage(_) | Self::Parameter(_)) { 2 } else { 1 }
+        match self {
+            Self::Usage(_) | Self::Parameter(_) => 2,
+            Self::Differs { .. } => 3,
+            _ => 1,
+        }
     }
 }
 

@@ -7,6 +7,8 @@ mod bake_files;
 mod bench;
 mod bench_models;
 mod bench_scenes;
+mod compare;
+mod compare_args;
 mod error;
 mod goal;
 mod info;
@@ -29,7 +31,7 @@ pub use error::CliError;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::process::ExitCode;
 
-/// Runs the program: 0 done, 2 wrong usage, 1 anything else.
+/// Runs the program: 0 done, 2 wrong usage, 3 pictures that differ by more than is allowed, 1 anything else.
 pub fn main() -> ExitCode {
     // clap itself ends the program with 2 for arguments that it does not understand, and 0 after --help.
     let matches = Cli::command().get_matches();
@@ -44,6 +46,7 @@ pub fn main() -> ExitCode {
         Some(Command::Bench(a)) => bench::run(&a),
         Some(Command::Lab(a)) => lab::run(&a),
         Some(Command::Bake(a)) => bake::run(&a),
+        Some(Command::Compare(a)) => compare::run(&a),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

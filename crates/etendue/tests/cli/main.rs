@@ -4,6 +4,7 @@
 //! take a moment.
 
 mod baking;
+mod comparing;
 mod errors;
 mod films;
 mod lab;
