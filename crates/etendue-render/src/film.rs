@@ -1,6 +1,7 @@
 //! What the samples add up to.
 
 use crate::{Fixed, Pass, PassSet};
+use etendue_image::{Image, Pixels};
 use std::collections::BTreeMap;
 
 /// Which samples of each pixel a film holds: disjoint, sorted, non-adjacent half-open ranges.
@@ -132,6 +133,17 @@ impl Film {
     pub fn mean(&self, i: usize, plane: usize) -> f32 {
         let n = self.samples().max(1);
         (self.sums[i * self.stride() + plane].to_f64() / n as f64) as f32
+    }
+
+    /// A recorded pass of colours, as a picture of three floats per pixel; `None` if it was not recorded or holds something else.
+    pub fn pass(&self, pass: Pass) -> Option<Image> {
+        if !self.passes.has(pass) || pass.channels() != ["R", "G", "B"] {
+            return None;
+        }
+        let before = self.passes.iter().take_while(|p| *p != pass).map(|p| p.channels().len()).sum::<usize>();
+        let plane = BEAUTY_PLANES + before;
+        let pixels = (0..self.pixels()).flat_map(|i| (0..3).map(move |c| self.mean(i, plane + c))).collect();
+        Some(Image { width: self.width, height: self.height, channels: 3, pixels: Pixels::F32(pixels) })
     }
 
     /// Mean linear radiance R, G, B and coverage A of every pixel, top row first. Radiance is premultiplied by coverage.

@@ -28,6 +28,20 @@ pub enum Pass {
     Emission,
     /// The sky, seen directly.
     Environment,
+    /// Light of directional, point and spot lights, scattered once, diffusely.
+    LightDiffuse,
+    /// Light of directional, point and spot lights, scattered once, specularly.
+    LightSpecular,
+    /// Light of the sky, scattered once, diffusely.
+    SkyDiffuse,
+    /// Light of the sky, scattered once, specularly.
+    SkySpecular,
+    /// Light of other surfaces, which shine or scatter, scattered diffusely here.
+    BounceDiffuse,
+    /// Light of other surfaces, which shine or scatter, scattered specularly here.
+    BounceSpecular,
+    /// Light that came through the seen surface. Emission, environment, this and the six before add up to the picture.
+    Transmission,
     /// Which instance: Cryptomatte hash of its name.
     ObjectId,
     /// Which material: Cryptomatte hash of its name.
@@ -36,7 +50,7 @@ pub enum Pass {
 
 impl Pass {
     /// All passes, in the order in which a film stores them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 20] = [
         Self::Albedo,
         Self::Normal,
         Self::Position,
@@ -48,8 +62,28 @@ impl Pass {
         Self::Specular,
         Self::Emission,
         Self::Environment,
+        Self::LightDiffuse,
+        Self::LightSpecular,
+        Self::SkyDiffuse,
+        Self::SkySpecular,
+        Self::BounceDiffuse,
+        Self::BounceSpecular,
+        Self::Transmission,
         Self::ObjectId,
         Self::MaterialId,
+    ];
+
+    /// The passes that add up to the picture, by where light comes from and how the seen surface scatters it.
+    pub const PARTS: [Self; 9] = [
+        Self::LightDiffuse,
+        Self::LightSpecular,
+        Self::SkyDiffuse,
+        Self::SkySpecular,
+        Self::BounceDiffuse,
+        Self::BounceSpecular,
+        Self::Transmission,
+        Self::Emission,
+        Self::Environment,
     ];
 
     /// The name on the command line and of the layer in the file.
@@ -66,6 +100,13 @@ impl Pass {
             Self::Specular => "specular",
             Self::Emission => "emission",
             Self::Environment => "environment",
+            Self::LightDiffuse => "light-diffuse",
+            Self::LightSpecular => "light-specular",
+            Self::SkyDiffuse => "sky-diffuse",
+            Self::SkySpecular => "sky-specular",
+            Self::BounceDiffuse => "bounce-diffuse",
+            Self::BounceSpecular => "bounce-specular",
+            Self::Transmission => "transmission",
             Self::ObjectId => "object",
             Self::MaterialId => "material",
         }
@@ -85,7 +126,7 @@ impl Pass {
 
 /// A set of passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PassSet(u16);
+pub struct PassSet(u32);
 
 impl PassSet {
     /// Every pass.
@@ -93,7 +134,7 @@ impl PassSet {
         Pass::ALL.into_iter().fold(Self::default(), Self::with)
     }
 
-    /// From names separated by commas; `all` is every pass.
+    /// From names separated by commas; `all` is every pass, `parts` those of [`Pass::PARTS`].
     ///
     /// # Errors
     /// The name that is no pass, with the list of those that are.
@@ -104,13 +145,22 @@ impl PassSet {
                 set = Self::all();
                 continue;
             }
+            if name == "parts" {
+                set = Self::parts().iter().fold(set, Self::with);
+                continue;
+            }
             let pass = Pass::ALL.into_iter().find(|p| p.name() == name).ok_or_else(|| {
                 let known: Vec<_> = Pass::ALL.iter().map(|p| p.name()).collect();
-                format!("no pass is called {name:?}; there are {} and all", known.join(", "))
+                format!("no pass is called {name:?}; there are {}, parts and all", known.join(", "))
             })?;
             set = set.with(pass);
         }
         Ok(set)
+    }
+
+    /// The passes that add up to the picture: [`Pass::PARTS`].
+    pub fn parts() -> Self {
+        Pass::PARTS.into_iter().fold(Self::default(), Self::with)
     }
 
     /// This set and `pass`.
@@ -158,6 +208,6 @@ mod tests {
         assert_eq!(PassSet::parse("all"), Ok(PassSet::all()));
         assert_eq!(PassSet::parse(" depth, normal ").unwrap().to_string(), "normal,depth");
         assert!(PassSet::parse("colour").unwrap_err().contains("albedo"));
-        assert_eq!(PassSet::all().planes(), 30);
+        assert_eq!(PassSet::all().planes(), 51);
     }
 }

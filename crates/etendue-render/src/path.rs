@@ -24,11 +24,21 @@ pub struct PathOptions {
     pub clamp_indirect: f32,
     /// If false the sky lights the scene but camera rays that meet nothing return nothing.
     pub sky_visible: bool,
+    /// Shows what the lights and the sky alone would make of each surface: nothing stands in their way, and no surface lights
+    /// another. This is what a real-time shading model without shadows aims at. `bounces` beyond 1 make no difference, and
+    /// half-spaces are those of the shading normal. A body that lets light through shows the sky as its first surface refracts it.
+    pub light_only: bool,
 }
 
 impl Default for PathOptions {
     fn default() -> Self {
-        Self { bounces: 8, roulette_after: 2, clamp_indirect: f32::INFINITY, sky_visible: true }
+        Self {
+            bounces: 8,
+            roulette_after: 2,
+            clamp_indirect: f32::INFINITY,
+            sky_visible: true,
+            light_only: false,
+        }
     }
 }
 
@@ -56,8 +66,21 @@ pub(crate) struct Layers {
     pub specular: Spectrum,
     pub emission: Spectrum,
     pub environment: Spectrum,
+    /// By [`Source`]: diffuse, then specular.
+    pub sources: [[Spectrum; 2]; 3],
+    pub transmission: Spectrum,
     /// Instance and material that the camera sees.
     pub seen: Option<(u32, u32)>,
+}
+
+/// Where light comes from that a surface sends to the camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Source {
+    /// Directional, point and spot lights.
+    Light,
+    Sky,
+    /// Other surfaces, which shine or scatter.
+    Surface,
 }
 
 /// Backs that a camera ray looks through before one is taken for a front.
@@ -72,9 +95,10 @@ const ENTRY_SETS: u32 = 1 << 17;
 const LANES: u8 = 3;
 
 /// Traces a path from the camera. `LAYERS` fills `layers`; `axis` is the camera's unit view direction. `WHOLE` follows light
-/// through surfaces and asks models other than glTF's core; scenes without them do not pay for it.
+/// through surfaces and asks models other than glTF's core; scenes without them do not pay for it. `ALONE` is
+/// [`PathOptions::light_only`].
 #[inline(always)]
-pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
+pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool, const ALONE: bool>(
     world: &World,
     options: &PathOptions,
     sampler: &Sampler,
@@ -97,6 +121,8 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
     let mut media = Media::default();
     let mut lane = None;
     let mut decompression = 1.0f32;
+    // The path left the first surface on the other side.
+    let mut through = false;
 
     // Light found after `bounce` scatterings, worth `light` × `throughput`.
     let add = |out: &mut PathSample,
@@ -104,7 +130,8 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
                throughput: Spectrum,
                diffuse_part: Spectrum,
                light: Spectrum,
-               bounces: u32| {
+               bounces: u32,
+               (source, through): (Source, bool)| {
         let mut value = throughput * light;
         if bounces > 1 && options.clamp_indirect < f32::INFINITY {
             let max = value.max_element();
@@ -119,6 +146,14 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
             l.diffuse += diffuse;
             l.specular += value - diffuse;
             *(if bounces == 1 { &mut l.direct } else { &mut l.indirect }) += value;
+            if through {
+                l.transmission += value;
+            } else {
+                let source = if bounces == 1 { source } else { Source::Surface };
+                let [d, s] = &mut l.sources[source as usize];
+                *d += diffuse;
+                *s += value - diffuse;
+            }
         }
     };
 
@@ -129,6 +164,9 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
         // a surface has two sides.
         let (mut travelled, mut crossed) = (0.0, 0);
         let hit = loop {
+            if ALONE && bounce > 0 {
+                break None;
+            }
             out.rays[0] += 1;
             let Some(hit) = world.closest(&ray, key) else { break None };
             let surface = Surface::new(world, &hit, direction);
@@ -165,7 +203,8 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
                     }
                     None => (world.lights.sky_radiance(direction), 1.0),
                 };
-                add(&mut out, layers, throughput, diffuse_part, light * weight, bounce);
+                let from = (Source::Sky, through);
+                add(&mut out, layers, throughput, diffuse_part, light * weight, bounce, from);
                 if LAYERS && bounce == 0 {
                     layers.environment = light;
                 }
@@ -182,7 +221,8 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
                 }
                 _ => 1.0,
             };
-            add(&mut out, layers, throughput, diffuse_part, emission * weight, bounce);
+            let from = (Source::Surface, through);
+            add(&mut out, layers, throughput, diffuse_part, emission * weight, bounce, from);
         }
         if bounce == 0 {
             out.alpha = 1.0;
@@ -229,7 +269,7 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
         }
         // On skin, the share of the light that came from below and the probability of following the gloss instead.
         let mut skin = if WHOLE { body.skin.as_ref().filter(|_| surface.front) } else { None };
-        let (through, gloss) = skin.map_or((0.0, 1.0), |s| s.split(wo));
+        let (below, gloss) = skin.map_or((0.0, 1.0), |s| s.split(wo));
         if let Some(skin) = skin {
             closure = Scattering::Plain(skin.gloss);
         }
@@ -243,10 +283,17 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
             // Light that is asked for.
             let [u0, u1, pick, _] = points;
             if let Some(light) = world.lights.sample(world, &choice, pick, [u0, u1]) {
-                let above = light.wi.dot(surface.geometric) > 0.0;
                 let wi = surface.frame.transpose() * light.wi;
+                // The triangle's own half-space is what it hides from itself.
+                let above = if ALONE { wi.z > 0.0 } else { light.wi.dot(surface.geometric) > 0.0 };
+                let source = match (light.delta, light.distance.is_finite()) {
+                    (true, _) => Source::Light,
+                    (false, false) => Source::Sky,
+                    (false, true) => Source::Surface,
+                };
+                let counts = !(ALONE && source == Source::Surface);
                 // A direction above the shading normal and below the surface, or the other way round, carries no light.
-                if (above || passes) && light.pdf > 0.0 && (!passes || above == (wi.z > 0.0)) {
+                if counts && (above || passes) && light.pdf > 0.0 && (!passes || above == (wi.z > 0.0)) {
                     let mut e = closure.eval_pdf(wo, wi);
                     if WHOLE && skin.is_some() {
                         e.pdf *= gloss;
@@ -261,8 +308,11 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
                         } else {
                             Ray::new(from, light.wi)
                         };
-                        out.rays[1] += 1;
-                        if !world.occluded(&ray, sampler.hash(bounce * 2 + 1)) {
+                        let free = ALONE || {
+                            out.rays[1] += 1;
+                            !world.occluded(&ray, sampler.hash(bounce * 2 + 1))
+                        };
+                        if free {
                             let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, e.pdf) };
                             let mut scale = light.radiance * (wi.z.abs() * weight / light.pdf);
                             if WHOLE && light.distance.is_finite() {
@@ -274,7 +324,8 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
                             }
                             let first = bounce == 0 && !(WHOLE && entered);
                             let part = if first { e.diffuse } else { diffuse_part * e.value() };
-                            add(&mut out, layers, throughput * e.value(), part, scale, bounce + 1);
+                            let from = (source, through || (bounce == 0 && !above));
+                            add(&mut out, layers, throughput * e.value(), part, scale, bounce + 1, from);
                         }
                     }
                 }
@@ -289,11 +340,11 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
                     let Some((found, weight)) = s.enter(world, &surface, uc, [v0, v1], pick) else {
                         return out;
                     };
-                    throughput *= weight * (through / (1.0 - gloss));
+                    throughput *= weight * (below / (1.0 - gloss));
                     diffuse_part = if bounce == 0 {
                         throughput
                     } else {
-                        diffuse_part * weight * (through / (1.0 - gloss))
+                        diffuse_part * weight * (below / (1.0 - gloss))
                     };
                     surface = found;
                     closure = Scattering::Entry(s.entry);
@@ -314,7 +365,7 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
             break (s, choice, roulette);
         };
         let wi = surface.frame * s.wi;
-        let above = wi.dot(surface.geometric) > 0.0;
+        let above = if ALONE { s.wi.z > 0.0 } else { wi.dot(surface.geometric) > 0.0 };
         if above != (!passes || s.wi.z > 0.0) {
             return out;
         }
@@ -324,6 +375,7 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
             }
             let eta = closure.refraction().unwrap_or(1.0);
             decompression *= eta * eta;
+            through |= LAYERS && bounce == 0;
         }
         throughput *= s.weight;
         let first = bounce == 0 && !(WHOLE && entered);

@@ -3,7 +3,7 @@
 use crate::film::{BEAUTY_PLANES, Film};
 use crate::filter::Filter;
 use crate::fixed::Running;
-use crate::path::{Layers, PathOptions, PathSample, trace};
+use crate::path::{Layers, PathOptions, PathSample, Source, trace};
 use crate::pixel_rays::PixelRays;
 use crate::sampler::Sampler;
 use crate::world::World;
@@ -117,16 +117,18 @@ impl<'a> Renderer<'a> {
     /// One sample of one pixel: linear radiance and whether a surface was seen. A pure function of its arguments.
     pub fn sample(&self, x: u32, y: u32, index: u32) -> (Spectrum, f32) {
         let layers = &mut Layers::default();
-        let s = if self.whole {
-            self.path::<false, true>(x, y, index, layers)
+        let s = if self.settings.path.light_only {
+            self.path::<true, true, true>(x, y, index, layers)
+        } else if self.whole {
+            self.path::<false, true, false>(x, y, index, layers)
         } else {
-            self.path::<false, false>(x, y, index, layers)
+            self.path::<false, false, false>(x, y, index, layers)
         };
         (s.radiance, s.alpha)
     }
 
     #[inline(always)]
-    fn path<const LAYERS: bool, const WHOLE: bool>(
+    fn path<const LAYERS: bool, const WHOLE: bool, const ALONE: bool>(
         &self,
         x: u32,
         y: u32,
@@ -136,7 +138,15 @@ impl<'a> Renderer<'a> {
         let s = &self.settings;
         let sampler = Sampler::new(s.seed, x, y, index);
         let (origin, direction) = self.rays.sample([x, y], &sampler);
-        trace::<LAYERS, WHOLE>(self.world, &s.path, &sampler, origin, direction, self.rays.axis(), layers)
+        trace::<LAYERS, WHOLE, ALONE>(
+            self.world,
+            &s.path,
+            &sampler,
+            origin,
+            direction,
+            self.rays.axis(),
+            layers,
+        )
     }
 
     /// Takes the samples `from..to` of every pixel and adds them to `film`, on all threads of the current pool.
@@ -166,7 +176,7 @@ impl<'a> Renderer<'a> {
     }
 
     #[inline(always)]
-    fn tile<const LAYERS: bool, const WHOLE: bool>(
+    fn tile<const LAYERS: bool, const WHOLE: bool, const ALONE: bool>(
         &self,
         at: [u32; 2],
         size: [u32; 2],
@@ -193,7 +203,7 @@ impl<'a> Renderer<'a> {
                 if (index - from) % Running::TERMS == Running::TERMS - 1 {
                     flush(&mut beauty, sums);
                 }
-                let mut s = self.path::<LAYERS, WHOLE>(x, y, index, &mut layers);
+                let mut s = self.path::<LAYERS, WHOLE, ALONE>(x, y, index, &mut layers);
                 t.rays[0] += u64::from(s.rays[0]);
                 t.rays[1] += u64::from(s.rays[1]);
                 if !s.radiance.is_finite() {
@@ -248,6 +258,13 @@ fn add_layers(sums: &mut [Fixed], passes: PassSet, l: &Layers) {
             Pass::Specular => put(&l.specular.to_rgb()),
             Pass::Emission => put(&l.emission.to_rgb()),
             Pass::Environment => put(&l.environment.to_rgb()),
+            Pass::LightDiffuse => put(&l.sources[Source::Light as usize][0].to_rgb()),
+            Pass::LightSpecular => put(&l.sources[Source::Light as usize][1].to_rgb()),
+            Pass::SkyDiffuse => put(&l.sources[Source::Sky as usize][0].to_rgb()),
+            Pass::SkySpecular => put(&l.sources[Source::Sky as usize][1].to_rgb()),
+            Pass::BounceDiffuse => put(&l.sources[Source::Surface as usize][0].to_rgb()),
+            Pass::BounceSpecular => put(&l.sources[Source::Surface as usize][1].to_rgb()),
+            Pass::Transmission => put(&l.transmission.to_rgb()),
             Pass::ObjectId | Pass::MaterialId => {}
         }
     }
@@ -266,11 +283,15 @@ impl Work for TileWork<'_> {
     #[inline(always)]
     fn run(self) -> Tile {
         let Self { renderer, at, size, samples: [from, to] } = self;
+        if renderer.settings.path.light_only {
+            // One compilation for all scenes and passes: there are no rays whose speed would matter.
+            return renderer.tile::<true, true, true>(at, size, from, to);
+        }
         match (renderer.settings.passes.is_empty(), renderer.whole) {
-            (true, false) => renderer.tile::<false, false>(at, size, from, to),
-            (true, true) => renderer.tile::<false, true>(at, size, from, to),
-            (false, false) => renderer.tile::<true, false>(at, size, from, to),
-            (false, true) => renderer.tile::<true, true>(at, size, from, to),
+            (true, false) => renderer.tile::<false, false, false>(at, size, from, to),
+            (true, true) => renderer.tile::<false, true, false>(at, size, from, to),
+            (false, false) => renderer.tile::<true, false, false>(at, size, from, to),
+            (false, true) => renderer.tile::<true, true, false>(at, size, from, to),
         }
     }
 }

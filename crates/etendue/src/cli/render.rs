@@ -117,6 +117,7 @@ fn settings(args: &RenderArgs, (width, height): (u32, u32)) -> Settings {
             bounces: args.bounces,
             clamp_indirect: args.clamp_indirect.unwrap_or(f32::INFINITY),
             sky_visible: !args.transparent,
+            light_only: args.light_only,
             ..PathOptions::default()
         },
         passes: args.passes,
