@@ -95,10 +95,10 @@ const ENTRY_SETS: u32 = 1 << 17;
 const LANES: u8 = 3;
 
 /// Traces a path from the camera. `LAYERS` fills `layers`; `axis` is the camera's unit view direction. `WHOLE` follows light
-/// through surfaces and asks models other than glTF's core; scenes without them do not pay for it. `ALONE` is
-/// [`PathOptions::light_only`].
+/// through surfaces and asks models other than glTF's core; scenes without them do not pay for it. Only the form with
+/// `LAYERS` knows [`PathOptions::light_only`].
 #[inline(always)]
-pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool, const ALONE: bool>(
+pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
     world: &World,
     options: &PathOptions,
     sampler: &Sampler,
@@ -107,6 +107,7 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool, const ALONE: bool>(
     axis: Vec3A,
     layers: &mut Layers,
 ) -> PathSample {
+    let alone = LAYERS && options.light_only;
     let mut out = PathSample::default();
     let mut origin = origin;
     let mut direction = direction;
@@ -164,7 +165,7 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool, const ALONE: bool>(
         // a surface has two sides.
         let (mut travelled, mut crossed) = (0.0, 0);
         let hit = loop {
-            if ALONE && bounce > 0 {
+            if alone && bounce > 0 {
                 break None;
             }
             out.rays[0] += 1;
@@ -285,13 +286,13 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool, const ALONE: bool>(
             if let Some(light) = world.lights.sample(world, &choice, pick, [u0, u1]) {
                 let wi = surface.frame.transpose() * light.wi;
                 // The triangle's own half-space is what it hides from itself.
-                let above = if ALONE { wi.z > 0.0 } else { light.wi.dot(surface.geometric) > 0.0 };
+                let above = if alone { wi.z > 0.0 } else { light.wi.dot(surface.geometric) > 0.0 };
                 let source = match (light.delta, light.distance.is_finite()) {
                     (true, _) => Source::Light,
                     (false, false) => Source::Sky,
                     (false, true) => Source::Surface,
                 };
-                let counts = !(ALONE && source == Source::Surface);
+                let counts = !(alone && source == Source::Surface);
                 // A direction above the shading normal and below the surface, or the other way round, carries no light.
                 if counts && (above || passes) && light.pdf > 0.0 && (!passes || above == (wi.z > 0.0)) {
                     let mut e = closure.eval_pdf(wo, wi);
@@ -308,7 +309,7 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool, const ALONE: bool>(
                         } else {
                             Ray::new(from, light.wi)
                         };
-                        let free = ALONE || {
+                        let free = alone || {
                             out.rays[1] += 1;
                             !world.occluded(&ray, sampler.hash(bounce * 2 + 1))
                         };
@@ -365,7 +366,7 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool, const ALONE: bool>(
             break (s, choice, roulette);
         };
         let wi = surface.frame * s.wi;
-        let above = if ALONE { s.wi.z > 0.0 } else { wi.dot(surface.geometric) > 0.0 };
+        let above = if alone { s.wi.z > 0.0 } else { wi.dot(surface.geometric) > 0.0 };
         if above != (!passes || s.wi.z > 0.0) {
             return out;
         }

@@ -114,21 +114,15 @@ impl<'a> Renderer<'a> {
         Film::new(self.settings.width, self.settings.height, self.settings.passes)
     }
 
-    /// One sample of one pixel: linear radiance and whether a surface was seen. A pure function of its arguments.
+    /// One sample of one pixel: linear radiance and whether a surface was seen. A pure function of its arguments; what
+    /// [`Renderer::render`] adds to the film.
     pub fn sample(&self, x: u32, y: u32, index: u32) -> (Spectrum, f32) {
-        let layers = &mut Layers::default();
-        let s = if self.settings.path.light_only {
-            self.path::<true, true, true>(x, y, index, layers)
-        } else if self.whole {
-            self.path::<false, true, false>(x, y, index, layers)
-        } else {
-            self.path::<false, false, false>(x, y, index, layers)
-        };
+        let s = self.path::<true, true>(x, y, index, &mut Layers::default());
         (s.radiance, s.alpha)
     }
 
     #[inline(always)]
-    fn path<const LAYERS: bool, const WHOLE: bool, const ALONE: bool>(
+    fn path<const LAYERS: bool, const WHOLE: bool>(
         &self,
         x: u32,
         y: u32,
@@ -138,15 +132,7 @@ impl<'a> Renderer<'a> {
         let s = &self.settings;
         let sampler = Sampler::new(s.seed, x, y, index);
         let (origin, direction) = self.rays.sample([x, y], &sampler);
-        trace::<LAYERS, WHOLE, ALONE>(
-            self.world,
-            &s.path,
-            &sampler,
-            origin,
-            direction,
-            self.rays.axis(),
-            layers,
-        )
+        trace::<LAYERS, WHOLE>(self.world, &s.path, &sampler, origin, direction, self.rays.axis(), layers)
     }
 
     /// Takes the samples `from..to` of every pixel and adds them to `film`, on all threads of the current pool.
@@ -176,7 +162,7 @@ impl<'a> Renderer<'a> {
     }
 
     #[inline(always)]
-    fn tile<const LAYERS: bool, const WHOLE: bool, const ALONE: bool>(
+    fn tile<const LAYERS: bool, const WHOLE: bool>(
         &self,
         at: [u32; 2],
         size: [u32; 2],
@@ -203,7 +189,7 @@ impl<'a> Renderer<'a> {
                 if (index - from) % Running::TERMS == Running::TERMS - 1 {
                     flush(&mut beauty, sums);
                 }
-                let mut s = self.path::<LAYERS, WHOLE, ALONE>(x, y, index, &mut layers);
+                let mut s = self.path::<LAYERS, WHOLE>(x, y, index, &mut layers);
                 t.rays[0] += u64::from(s.rays[0]);
                 t.rays[1] += u64::from(s.rays[1]);
                 if !s.radiance.is_finite() {
@@ -283,15 +269,12 @@ impl Work for TileWork<'_> {
     #[inline(always)]
     fn run(self) -> Tile {
         let Self { renderer, at, size, samples: [from, to] } = self;
-        if renderer.settings.path.light_only {
-            // One compilation for all scenes and passes: there are no rays whose speed would matter.
-            return renderer.tile::<true, true, true>(at, size, from, to);
-        }
-        match (renderer.settings.passes.is_empty(), renderer.whole) {
-            (true, false) => renderer.tile::<false, false, false>(at, size, from, to),
-            (true, true) => renderer.tile::<false, true, false>(at, size, from, to),
-            (false, false) => renderer.tile::<true, false, false>(at, size, from, to),
-            (false, true) => renderer.tile::<true, true, false>(at, size, from, to),
+        // Each form costs seconds of compilation: where speed matters less, one does for all scenes.
+        let layers = !renderer.settings.passes.is_empty() || renderer.settings.path.light_only;
+        match (layers, renderer.whole) {
+            (true, _) => renderer.tile::<true, true>(at, size, from, to),
+            (false, true) => renderer.tile::<false, true>(at, size, from, to),
+            (false, false) => renderer.tile::<false, false>(at, size, from, to),
         }
     }
 }

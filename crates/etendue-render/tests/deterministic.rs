@@ -137,3 +137,19 @@ fn passes_add_up_to_the_beauty_picture() {
     let normal = plane("normal", 1);
     assert!(normal.iter().all(|n| n.is_finite() && n.abs() <= 1.001));
 }
+
+/// The walk is compiled for pictures with and without passes, and for scenes of core materials and others: each gives the
+/// same picture, and single samples are what the film adds.
+#[test]
+fn passes_and_single_samples_are_of_the_same_picture() {
+    let w = world();
+    let with = Renderer::new(&w, camera(), all_settings());
+    let without = Renderer::new(&w, camera(), Settings { passes: PassSet::default(), ..all_settings() });
+    let (a, b) = (take(&with, &[(0, 4)]), take(&without, &[(0, 4)]));
+    assert!(a.beauty() == b.beauty());
+    for (x, y) in [(3, 4), (20, 15), (22, 11), (39, 29)] {
+        let mean = (0..4).map(|i| f64::from(without.sample(x, y, i).0.0[0])).sum::<f64>() / 4.0;
+        let film = f64::from(b.beauty()[(y * 40 + x) as usize][0]);
+        assert!((mean - film).abs() <= 1e-6 * mean.abs(), "{x} {y}: {mean} {film}");
+    }
+}
