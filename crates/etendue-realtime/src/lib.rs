@@ -17,6 +17,8 @@
 //! | [`zonal`] | kernels about a normal that are no cosine, against spherical harmonics |
 //! | [`lighting`] | lights and sky together |
 //! | [`mod@shade`] | the shading itself |
+//! | [`twin`] | the picture, drawn pixel by pixel on the processor |
+//! | [`passes`] | every term and every value on the way to it as a picture |
 //!
 //! # Example
 //! ```
@@ -45,11 +47,13 @@ pub mod inputs;
 pub mod light;
 pub mod lighting;
 mod names;
+pub mod passes;
 pub mod preset;
 pub mod shade;
 pub mod sky_light;
 mod surface;
 pub mod terms;
+pub mod twin;
 pub mod zonal;
 
 pub use around::{Around, Behind, Toward};
@@ -61,3 +65,4 @@ pub use preset::Preset;
 pub use shade::shade;
 pub use sky_light::SkyLight;
 pub use terms::{Shaded, Terms, Values};
+pub use twin::{Frame, Twin, TwinSettings};

@@ -59,8 +59,9 @@ impl SkyLight {
         let size = if constant { 4 } else { source_size(map.height(), 64).min(FINEST_SOURCE) };
         let source = CubeLookup::new(&to_cube(&map, size).with_mips());
         let irradiance = (choices.diffuse == Diffuse::Cube).then(|| {
-            let rows = if constant { 256 } else { 64 };
-            CubeLookup::new(&ExactIrradiance::with_rows(&map, rows).cube(IRRADIANCE_SIZE))
+            // A sky of one colour is the same everywhere: few texels, each the more exact.
+            let (rows, size) = if constant { (256, 1) } else { (64, IRRADIANCE_SIZE) };
+            CubeLookup::new(&ExactIrradiance::with_rows(&map, rows).cube(size))
         });
         let prefiltered = (choices.specular == Specular::SplitSum).then(|| {
             let size = match choices.resolution {

@@ -5,14 +5,17 @@
 //! of one point differ in the model only.
 
 use crate::lookup::Lookup;
-use crate::surface::Surface;
+use crate::surface::{Surface, emitted_below};
 use crate::world::World;
 use etendue_bxdf::gltf::GltfParams;
+use etendue_bxdf::math::{exp2, ln};
 use etendue_bxdf::model::Model;
 use etendue_color::Spectrum;
 use etendue_scene::{AlphaMode, Material, Substitute};
 use etendue_trace::{Hit, Ray};
 use glam::{Mat3A, Vec2, Vec3A};
+use std::cell::Cell;
+use std::f32::consts::LOG2_E;
 
 /// All that a fragment shader would have of a point, on the side that is seen. Vectors are unit vectors in world space.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +46,7 @@ pub struct ShadingPoint {
     pub params: GltfParams,
     /// Ambient occlusion, 0 none gets here .. 1 all.
     pub occlusion: f32,
-    /// Emitted radiance towards the viewer; of an unlit surface its colour.
+    /// Emitted radiance below any coat, zero on the back of a one-sided surface; of an unlit surface its colour.
     pub emission: Spectrum,
     /// Part of the light that meets the surface at all, 0..1; the rest passes (`alphaMode` "BLEND").
     pub alpha: f32,
@@ -87,17 +90,30 @@ impl World {
         None
     }
 
-    /// True if a masked or solid surface, or a blended one of at least half coverage, lies on the ray: a shadow that is one
-    /// or nothing.
+    /// The part of the light that gets along the ray, 0..1: none past solid surfaces and masked ones that are there, of each
+    /// blended one what its alpha leaves. Backs stop light as fronts do.
     #[inline(always)]
-    pub fn shadows(&self, ray: &Ray) -> bool {
-        self.accel.any(ray, &|i, t, u, v| {
+    pub fn transmittance(&self, ray: &Ray) -> f32 {
+        /// Steps of log₂, so that the sum is of integers: surfaces are met in no particular order.
+        const STEPS: f32 = 65_536.0;
+        /// Light after this many stops is none.
+        const DARK: u32 = 16 * 65_536;
+        let stops = Cell::new(0u32);
+        let stopped = self.accel.any(ray, &|i, t, u, v| {
             let m = &self.scene.materials[self.instances[i as usize].material as usize];
-            match m.alpha_mode {
-                AlphaMode::Blend => self.alpha(i, t, u, v) >= 0.5,
-                _ => self.covers(i, t, u, v),
+            if m.alpha_mode != AlphaMode::Blend {
+                return self.covers(i, t, u, v);
             }
-        })
+            let left = 1.0 - self.alpha(i, t, u, v).clamp(0.0, 1.0);
+            let more = if left > 1e-5 { (-LOG2_E * STEPS * ln(left)) as u32 } else { DARK };
+            stops.set(stops.get() + more);
+            stops.get() >= DARK
+        });
+        match stops.get() {
+            _ if stopped => 0.0,
+            0 => 1.0,
+            n => exp2(n as f32 / -STEPS),
+        }
     }
 
     /// Radiance of the sky from the direction `d` (unit), as the camera sees it.
@@ -135,6 +151,13 @@ impl World {
             let mesh = &self.meshes[self.instances[hit.instance as usize].mesh as usize];
             occlusion = 1.0 + m.occlusion_strength * (surface.lookup.linear(self, mesh, t).x - 1.0);
         }
+        let emission = match () {
+            _ if unlit => surface.base_color(self, hit, m),
+            _ if m.is_emissive() && (surface.front || m.double_sided) => {
+                emitted_below(self, m, hit.instance, &mut surface.lookup)
+            }
+            _ => Spectrum::ZERO,
+        };
         let alpha = match m.alpha_mode {
             AlphaMode::Blend => self.alpha(hit.instance, hit.triangle, hit.u, hit.v).clamp(0.0, 1.0),
             _ => 1.0,
@@ -145,7 +168,7 @@ impl World {
             smooth: surface.smooth,
             tangent,
             bitangent,
-            emission: surface.emission(self, hit),
+            emission,
             frame: surface.frame,
             front: surface.front,
             uv: surface.uv,

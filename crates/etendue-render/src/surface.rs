@@ -217,14 +217,22 @@ impl Surface {
 #[inline(always)]
 pub(crate) fn emitted(world: &World, m: &Material, instance: u32, lookup: &mut Lookup, cos: f32) -> Spectrum {
     let mesh = &world.meshes[world.instances[instance as usize].mesh as usize];
-    let mut e = m.emissive;
-    if let Some(t) = &m.emissive_texture {
-        e *= lookup.srgb(world, mesh, t).truncate();
-    }
+    let mut e = emitted_below(world, m, instance, lookup);
     // What shines below a clear coat has to get through it (KHR_materials_clearcoat, "Emission").
     if let Some(coat) = m.extensions.as_ref().and_then(|e| e.clearcoat.as_ref()) {
         let cover = coat.texture.as_ref().map_or(1.0, |t| lookup.linear(world, mesh, t).x) * coat.factor;
         e *= 1.0 - cover * COAT.eval(cos.abs())[0];
+    }
+    e
+}
+
+/// The same below a clear coat.
+#[inline(always)]
+pub(crate) fn emitted_below(world: &World, m: &Material, instance: u32, lookup: &mut Lookup) -> Spectrum {
+    let mesh = &world.meshes[world.instances[instance as usize].mesh as usize];
+    let mut e = m.emissive;
+    if let Some(t) = &m.emissive_texture {
+        e *= lookup.srgb(world, mesh, t).truncate();
     }
     Spectrum::from_rgb(e.to_array())
 }

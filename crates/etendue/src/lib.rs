@@ -23,6 +23,7 @@ pub use etendue_ibl as ibl;
 pub use etendue_image as image;
 pub use etendue_import as import;
 pub use etendue_lab as lab;
+pub use etendue_realtime as realtime;
 pub use etendue_render as render;
 pub use etendue_scene as scene;
 pub use etendue_trace as trace;

@@ -1,5 +1,6 @@
 //! What can be said on the command line.
 
+use super::CliError;
 use super::bake_args::BakeArgs;
 use super::compare_args::CompareArgs;
 use crate::bxdf::model::Field;
@@ -113,10 +114,9 @@ pub(crate) struct RenderArgs {
     /// Leave the sky out of the picture: transparent where there is no surface
     #[arg(long, help_heading = "Picture")]
     pub transparent: bool,
-    /// Record passes into a layered .exr, separated by commas: albedo, normal, position, depth, uv, direct, indirect, diffuse, specular, emission, environment, light-diffuse, light-specular, sky-diffuse, sky-specular, bounce-diffuse, bounce-specular, transmission, object, material; parts for those that add up to the picture, or all
-    #[arg(long, value_name = "LIST", default_value_t, hide_default_value = true, value_parser = PassSet::parse, help_heading = "Picture")]
-    #[serde(with = "passes")]
-    pub passes: PassSet,
+    /// Record passes, separated by commas: layers of an .exr; in real time also pictures beside a .png. Of paths: albedo, normal, position, depth, uv, direct, indirect, diffuse, specular, emission, environment, light-diffuse, light-specular, sky-diffuse, sky-specular, bounce-diffuse, bounce-specular, transmission, object, material; parts for those that add up to the picture, or all; in real time others (--help)
+    #[arg(long, value_name = "LIST", default_value = "", hide_default_value = true, long_help = super::realtime_help::passes(), help_heading = "Picture")]
+    pub passes: String,
     #[command(flatten)]
     #[serde(flatten)]
     pub develop: DevelopArgs,
@@ -144,6 +144,10 @@ pub(crate) struct RenderArgs {
     /// Threads [default: all]
     #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Work")]
     pub threads: Option<u32>,
+    /// How light is found: path (the reference) or realtime (as engines do, in a moment)
+    #[arg(long, value_name = "NAME", default_value_t, help_heading = "Work")]
+    #[serde(with = "text", default)]
+    pub integrator: Integrator,
     /// Keep the film here (sums of samples, to resume or merge)
     #[arg(long, value_name = "FILE", help_heading = "Work")]
     #[serde(with = "path")]
@@ -155,6 +159,14 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "FILM", help_heading = "Work")]
     #[serde(with = "path")]
     pub resume: Option<PathBuf>,
+    /// In real time: whose approximations to make: exact, notes, unity, filament [default: exact]
+    #[arg(long, value_name = "NAME", long_help = super::realtime_help::presets(), help_heading = "Real time")]
+    #[serde(default)]
+    pub preset: Option<String>,
+    /// In real time: one approximation or another, as KEY=VALUE, several with commas (repeatable); --help lists them
+    #[arg(long, value_name = "KEY=VALUE", long_help = super::realtime_help::choices(), help_heading = "Real time")]
+    #[serde(default)]
+    pub choice: Vec<String>,
     /// Rewrite the output while it refines
     #[arg(long, help_heading = "Report")]
     pub watch: bool,
@@ -177,7 +189,39 @@ pub(crate) fn given(matches: &clap::ArgMatches) -> BTreeSet<String> {
     matches.ids().filter(on_line).map(|id| id.to_string()).collect()
 }
 
+/// How light is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Integrator {
+    /// By tracing paths: the reference.
+    #[default]
+    Path,
+    /// By real-time shading.
+    Realtime,
+}
+
+impl std::fmt::Display for Integrator {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if *self == Self::Path { "path" } else { "realtime" })
+    }
+}
+
+impl std::str::FromStr for Integrator {
+    type Err = String;
+    fn from_str(s: &str) -> Result<Self, String> {
+        match s {
+            "path" => Ok(Self::Path),
+            "realtime" => Ok(Self::Realtime),
+            _ => Err(format!("no integrator is called {s:?}; there are path and realtime")),
+        }
+    }
+}
+
 impl RenderArgs {
+    /// The passes to record while tracing paths.
+    pub fn path_passes(&self) -> Result<PassSet, CliError> {
+        PassSet::parse(&self.passes).map_err(CliError::Usage)
+    }
+
     /// What `etendue` without arguments does.
     pub fn builtin() -> Self {
         match Cli::parse_from(["etendue", "render"]).command {
@@ -434,18 +478,6 @@ mod path {
     }
     pub fn deserialize<'a, D: Deserializer<'a>>(d: D) -> Result<Option<PathBuf>, D::Error> {
         Option::deserialize(d)
-    }
-}
-
-/// A set of passes as its list of names.
-mod passes {
-    use crate::render::PassSet;
-    use serde::{Deserialize, Deserializer, Serializer};
-    pub fn serialize<S: Serializer>(v: &PassSet, s: S) -> Result<S::Ok, S::Error> {
-        s.collect_str(v)
-    }
-    pub fn deserialize<'a, D: Deserializer<'a>>(d: D) -> Result<PassSet, D::Error> {
-        PassSet::parse(&String::deserialize(d)?).map_err(serde::de::Error::custom)
     }
 }
 

@@ -1,7 +1,8 @@
 //! Files into a scene with a sky and a camera.
 
-use super::CliError;
 use super::args::RenderArgs;
+use super::material::{Replacement, compensate};
+use super::{CliError, note_line};
 use crate::builtin;
 use crate::image::read_environment;
 use crate::import::{ImportOptions, Imported, Limits, import};
@@ -9,6 +10,38 @@ use crate::scene::{Camera, Environment, Projection, Scene};
 use glam::Vec3;
 use std::path::Path;
 use std::sync::Arc;
+
+/// Starts as many threads as the arguments say.
+pub(crate) fn start_threads(args: &RenderArgs) -> Result<(), CliError> {
+    let Some(n) = args.threads else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(n as usize)
+        .build_global()
+        .map_err(|e| CliError::Other(format!("cannot start {n} threads: {e}")))
+}
+
+/// The model under its sky, with the materials that the arguments ask for; and the warnings, which are printed unless nothing is to
+/// be.
+pub(crate) fn scene(args: &RenderArgs) -> Result<(Scene, Vec<String>), CliError> {
+    let imported = model(args.model.as_deref(), args.at, args.allow_outside)?;
+    let (environment, notes) = environment(args)?;
+    let warnings: Vec<String> = imported.warnings.iter().map(ToString::to_string).chain(notes).collect();
+    if !args.quiet {
+        warnings.iter().for_each(|w| note_line(&format!("warning: {w}")));
+    }
+    let mut scene = imported.scene;
+    scene.environment = environment;
+    if let Some(name) = &args.variant {
+        scene.select_variant(name).map_err(CliError::Usage)?;
+    }
+    if let Some(way) = &args.compensation {
+        compensate(&mut scene, way);
+    }
+    for text in &args.material {
+        text.parse::<Replacement>()?.apply(&mut scene)?;
+    }
+    Ok((scene, warnings))
+}
 
 /// The model that the arguments name.
 pub(crate) fn model(path: Option<&Path>, at: Option<f32>, allow_outside: bool) -> Result<Imported, CliError> {

@@ -18,6 +18,8 @@ mod material;
 mod merge;
 mod output;
 mod progress;
+mod realtime;
+mod realtime_help;
 mod render;
 mod report;
 mod resume;

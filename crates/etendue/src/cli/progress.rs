@@ -115,6 +115,14 @@ impl State {
     }
 }
 
+/// A line that shows that something is being done which has no measure; nothing unless `visible`.
+pub(crate) fn spinner(text: &'static str, visible: bool) -> ProgressBar {
+    let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+    let bar = ProgressBar::with_draw_target(None, target).with_message(text);
+    bar.enable_steady_tick(Duration::from_millis(100));
+    bar
+}
+
 /// Seconds for people.
 pub(crate) fn clock(seconds: f64) -> String {
     match seconds {

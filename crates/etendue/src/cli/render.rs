@@ -1,19 +1,22 @@
 //! `etendue render`: the main job.
 
-use super::args::RenderArgs;
+use super::args::{Integrator, RenderArgs};
 use super::error::shell_word;
 use super::goal::Goal;
-use super::material::{Replacement, compensate};
 use super::output::{ARGUMENTS, NAMES, notes, read_film, write_film, write_film_picture};
 use super::report::{Times, report};
 use super::work::{Job, listen_for_interrupts};
-use super::{CliError, load, note_line, resume, target};
-use crate::render::{Counters, FilmInfo, PathOptions, Renderer, Settings, World, id_names};
+use super::{CliError, load, realtime, resume, target};
+use crate::render::{Counters, FilmInfo, PassSet, PathOptions, Renderer, Settings, World, id_names};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
 pub(crate) fn run(args: RenderArgs) -> Result<(), CliError> {
+    if args.integrator == Integrator::Realtime {
+        return realtime::run(args);
+    }
+    only_realtime(&args)?;
     let started = Instant::now();
     let (args, resumed) = match args.resume.clone() {
         Some(path) => {
@@ -28,38 +31,18 @@ pub(crate) fn run(args: RenderArgs) -> Result<(), CliError> {
     if let Some(film) = &explicit_film {
         target::check_writable(film)?;
     }
-    if let Some(n) = args.threads {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(n as usize)
-            .build_global()
-            .map_err(|e| CliError::Other(format!("cannot start {n} threads: {e}")))?;
-    }
+    load::start_threads(&args)?;
     listen_for_interrupts();
 
-    let imported = load::model(args.model.as_deref(), args.at, args.allow_outside)?;
-    let (environment, notes) = load::environment(&args)?;
-    let warnings: Vec<String> = imported.warnings.iter().map(ToString::to_string).chain(notes).collect();
-    if !args.quiet {
-        warnings.iter().for_each(|w| note_line(&format!("warning: {w}")));
-    }
-    let mut scene = imported.scene;
-    scene.environment = environment;
-    if let Some(name) = &args.variant {
-        scene.select_variant(name).map_err(CliError::Usage)?;
-    }
-    if let Some(way) = &args.compensation {
-        compensate(&mut scene, way);
-    }
-    for text in &args.material {
-        text.parse::<Replacement>()?.apply(&mut scene)?;
-    }
+    let (scene, warnings) = load::scene(&args)?;
     let triangles = scene.triangle_count();
     let (camera, size) = load::camera(&args, &scene)?;
-    target::check_size(size, args.passes)?;
+    let passes = args.path_passes()?;
+    target::check_size(size, passes)?;
     let loaded = started.elapsed();
     let world = World::new(scene)?;
     let built = started.elapsed();
-    let renderer = Renderer::new(&world, camera, settings(&args, size));
+    let renderer = Renderer::new(&world, camera, settings(&args, size, passes));
 
     let mut info = film_info(&args, &renderer, &world);
     let mut film = match resumed {
@@ -106,8 +89,18 @@ pub(crate) fn run(args: RenderArgs) -> Result<(), CliError> {
     if finished { Ok(()) } else { Err(job.interrupted(&film, &goal)) }
 }
 
+/// An error for options that are about real-time shading.
+fn only_realtime(args: &RenderArgs) -> Result<(), CliError> {
+    match ["preset", "choice"].iter().find(|id| args.given.contains(**id)) {
+        Some(id) => Err(CliError::Usage(format!(
+            "--{id} is about real-time shading: add --integrator realtime, or leave it out"
+        ))),
+        None => Ok(()),
+    }
+}
+
 /// Rendering settings from arguments.
-fn settings(args: &RenderArgs, (width, height): (u32, u32)) -> Settings {
+fn settings(args: &RenderArgs, (width, height): (u32, u32), passes: PassSet) -> Settings {
     Settings {
         width,
         height,
@@ -120,7 +113,7 @@ fn settings(args: &RenderArgs, (width, height): (u32, u32)) -> Settings {
             light_only: args.light_only,
             ..PathOptions::default()
         },
-        passes: args.passes,
+        passes,
     }
 }
 

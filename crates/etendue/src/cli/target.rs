@@ -45,9 +45,9 @@ pub(crate) fn format(path: &Path) -> Result<PictureFormat, CliError> {
 
 /// Checks the picture's path and format.
 pub(crate) fn check_output(args: &RenderArgs, output: &Path) -> Result<(), CliError> {
-    if !args.passes.is_empty() && format(output)? != PictureFormat::Exr {
+    if !args.path_passes()?.is_empty() && format(output)? != PictureFormat::Exr {
         return Err(CliError::Usage(format!(
-            "passes are layers of an .exr file, and {} is none; write to a .exr, or leave --passes out",
+            "passes of traced paths are layers of an .exr file, and {} is none; write to a .exr, or leave --passes out",
             output.display()
         )));
     }
@@ -81,8 +81,8 @@ pub(crate) fn check_writable(path: &Path) -> Result<(), CliError> {
 /// Most pixels of a film: what a film file may hold.
 const MOST_PIXELS: u64 = 1 << 30;
 
-/// Checks that the film fits into memory before anything is allocated.
-pub(crate) fn check_size((width, height): (u32, u32), passes: PassSet) -> Result<(), CliError> {
+/// Checks that a picture of that many pixels is possible.
+pub(crate) fn check_pixels((width, height): (u32, u32)) -> Result<(), CliError> {
     let pixels = u64::from(width) * u64::from(height);
     if pixels > MOST_PIXELS {
         return Err(CliError::Usage(format!(
@@ -91,6 +91,13 @@ pub(crate) fn check_size((width, height): (u32, u32), passes: PassSet) -> Result
             MOST_PIXELS as f64 / 1e9
         )));
     }
+    Ok(())
+}
+
+/// Checks that the film fits into memory before anything is allocated.
+pub(crate) fn check_size((width, height): (u32, u32), passes: PassSet) -> Result<(), CliError> {
+    check_pixels((width, height))?;
+    let pixels = u64::from(width) * u64::from(height);
     // An id pass keeps a small map for each pixel.
     let ids = [Pass::ObjectId, Pass::MaterialId].iter().filter(|p| passes.has(**p)).count() as u64;
     let sums = pixels * Film::stride_of(passes) as u64 * size_of::<crate::render::Fixed>() as u64;

@@ -10,5 +10,6 @@ mod films;
 mod lab;
 mod laboratory;
 mod pictures;
+mod realtime;
 mod stop;
 mod tools;
