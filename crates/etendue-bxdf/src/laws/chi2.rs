@@ -1,12 +1,14 @@
 //! `sample` draws from `pdf`: Pearson's χ² test of drawn directions against the integrated density.
 //!
-//! Bins lie in the coordinates of [`HemisphereMap`], stretched half vectors or their like for refraction, so that they
-//! fit a lobe of any width; those of the far side are there if [`Bsdf::refraction`] says that light passes. The expected
-//! counts are quadrature of `pdf`; perfectly specular directions and rejected samples are bins of their own.
+//! The expected counts are quadrature of `pdf` ([`Expected`]); perfectly specular directions and rejected samples are
+//! bins of their own.
 
-use super::{Rng, gamma::chi2_p_value};
-use crate::{bsdf::Bsdf, quadrature::HemisphereMap};
-use core::f64::consts::{FRAC_PI_2, TAU};
+use super::{
+    Rng,
+    expected::{Expected, LEAST_EXPECTED},
+    gamma::chi2_p_value,
+};
+use crate::bsdf::Bsdf;
 use glam::Vec3A;
 
 /// What the test found.
@@ -22,26 +24,22 @@ pub struct Chi2 {
     pub pdf_integral: f64,
 }
 
-/// Bins in ψ.
-const PSI_BINS: usize = 16;
-/// Bins by quantiles of the slope distribution of the narrowest lobe.
-const LOBE_BINS: usize = 14;
-/// Further rings, evenly in the half vector's angle, for lobes that are wider.
-const WIDE_BINS: usize = 8;
-/// Bins whose expected count is below this are pooled.
-const LEAST_EXPECTED: f64 = 5.0;
-
 /// Draws `samples` directions and tests them.
 pub fn chi2<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A, samples: usize, seed: u64) -> Chi2 {
-    let alpha = bsdf.narrowest_alpha();
-    let edges = s_edges(alpha);
-    let rings = edges.len() - 1;
-    let sides = [Some(HemisphereMap::upper(bsdf, wo)), HemisphereMap::lower(bsdf, wo)];
-    let sides: Vec<HemisphereMap> = sides.into_iter().flatten().collect();
-    let cells = sides.len() * rings * PSI_BINS;
+    chi2_against(&Expected::new(bsdf, wo, samples), bsdf, wo, samples, seed)
+}
 
+/// [`chi2`] with expected counts that are there already.
+pub fn chi2_against<B: Bsdf + ?Sized>(
+    expected: &Expected,
+    bsdf: &B,
+    wo: Vec3A,
+    samples: usize,
+    seed: u64,
+) -> Chi2 {
     // Observed: the bins of each side, then a bin for rejected samples, then one for each perfectly specular part. A
     // direction through a surface that lets nothing pass is counted as rejected.
+    let cells = expected.bins.len();
     let deltas = bsdf.deltas(wo);
     let mut observed = vec![0u64; cells + 3];
     let mut rng = Rng::new(seed);
@@ -56,42 +54,19 @@ pub fn chi2<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A, samples: usize, seed: u64) ->
             }
             Some(s) => {
                 let dithered = core::array::from_fn(|i| dither(s.wi[i], rng.uniform()));
-                let side = usize::from(s.wi.z < 0.0);
-                sides.get(side).map_or(cells, |map| {
-                    let (r, psi) = map.coordinates_exact(dithered.into());
-                    let ring = edges.partition_point(|&e| e <= r).clamp(1, rings) - 1;
-                    let sector = ((psi / TAU * PSI_BINS as f64) as usize).min(PSI_BINS - 1);
-                    (side * rings + ring) * PSI_BINS + sector
-                })
+                expected.bin(dithered.into()).unwrap_or(cells)
             }
         };
         observed[bin] += 1;
     }
 
     let n = samples as f64;
-    let mut expected = Vec::with_capacity(cells + 3);
-    for map in &sides {
-        for ring in 0..rings {
-            for sector in 0..PSI_BINS {
-                let psi = |i: usize| i as f64 / PSI_BINS as f64 * TAU;
-                // What the lower order lacks is a part of the count's own spread; the higher one lacks far less.
-                let tolerance = |mass: f64| 0.3 * (n * mass).max(LEAST_EXPECTED).sqrt() / n;
-                let mass = map.integrate_within(
-                    (edges[ring], edges[ring + 1]),
-                    (psi(sector), psi(sector + 1)),
-                    tolerance,
-                    |wi| [bsdf.pdf(wo, wi), 0.0, 0.0, 0.0],
-                );
-                expected.push(n * mass[0]);
-            }
-        }
-    }
-    let pdf_integral = expected.iter().sum::<f64>() / n;
+    let pdf_integral = expected.pdf_integral;
     let discrete = deltas.map(|d| d.map_or(0.0, |d| d.probability as f64));
-    expected.push(n * (1.0 - pdf_integral - discrete[0] - discrete[1]).max(0.0));
-    expected.extend(discrete.map(|p| n * p));
-
-    let (statistic, dof) = pearson(&observed, &expected);
+    let rejected = n * (1.0 - pdf_integral - discrete[0] - discrete[1]).max(0.0);
+    let counts: Vec<f64> =
+        expected.bins.iter().map(|p| n * p).chain([rejected]).chain(discrete.map(|p| n * p)).collect();
+    let (statistic, dof) = pearson(&observed, &counts);
     Chi2 { statistic, dof, p: chi2_p_value(statistic, dof), pdf_integral }
 }
 
@@ -125,25 +100,6 @@ fn pearson(observed: &[u64], expected: &[f64]) -> (f64, usize) {
         statistic = f64::INFINITY;
     }
     (statistic, pools.saturating_sub(1))
-}
-
-/// Radial edges: quantiles of the narrowest lobe's slopes, then even steps of the half vector's angle.
-fn s_edges(alpha: [f32; 2]) -> Vec<f64> {
-    let a = (alpha[0] as f64 * alpha[1] as f64).sqrt();
-    // Slopes of GGX have the distribution function s² / (1 + s²).
-    let lobe = (0..LOBE_BINS).map(|i| {
-        let u = i as f64 / LOBE_BINS as f64;
-        (u / (1.0 - u)).sqrt()
-    });
-    let mut edges: Vec<f64> = lobe.collect();
-    let last = edges[LOBE_BINS - 1];
-    edges.extend(
-        (1..WIDE_BINS)
-            .map(|i| (i as f64 / WIDE_BINS as f64 * FRAC_PI_2).tan() / a)
-            .filter(|&s| s > 1.2 * last),
-    );
-    edges.push(f64::INFINITY);
-    edges
 }
 
 #[cfg(test)]

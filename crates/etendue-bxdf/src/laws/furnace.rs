@@ -32,7 +32,17 @@ pub struct Furnace {
 
 /// Puts a closure into the furnace, seen from `wo`, with `samples` samples.
 pub fn furnace<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A, samples: usize, seed: u64) -> Furnace {
-    let albedo = directional_albedo(bsdf, wo);
+    furnace_against(directional_albedo(bsdf, wo), bsdf, wo, samples, seed)
+}
+
+/// [`furnace`] with an albedo by quadrature that is there already.
+pub fn furnace_against<B: Bsdf + ?Sized>(
+    albedo: Spectrum,
+    bsdf: &B,
+    wo: Vec3A,
+    samples: usize,
+    seed: u64,
+) -> Furnace {
     let mut rng = Rng::new(seed);
     // Differences from the expected mean keep the sums of squares exact enough.
     let (mut first, mut second) = ([0.0f64; 4], [0.0f64; 4]);

@@ -8,12 +8,14 @@
 //! | [`reciprocity`] | f(wo, wi) = f(wi, wo), and its like through an interface |
 //! | [`finite`] | no input gives anything but finite values that are not negative |
 //!
-//! Each function judges one closure at one `wo` and returns what it measured. [`verify`] runs all of them over the
+//! Each function judges one closure at one `wo` and returns what it measured; what samples are held against comes from
+//! [`expected`]. [`verify`] runs all of them over the
 //! [`cases`] of a model: this crate's tests and the command line share it. [`grid`] has the angles, and lobes that are
 //! not models.
 
 pub mod cases;
 pub mod chi2;
+pub mod expected;
 pub mod finite;
 pub mod furnace;
 pub mod gamma;

@@ -31,6 +31,17 @@ pub struct Samples {
 
 /// Draws `samples` directions and compares each with `eval` and `pdf`.
 pub fn samples<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A, samples: usize, seed: u64) -> Samples {
+    samples_against(pdf_integral(bsdf, wo), bsdf, wo, samples, seed)
+}
+
+/// [`samples`] with a ∫ pdf that is there already.
+pub fn samples_against<B: Bsdf + ?Sized>(
+    pdf_integral: f64,
+    bsdf: &B,
+    wo: Vec3A,
+    samples: usize,
+    seed: u64,
+) -> Samples {
     let mut out = Samples::default();
     let mut rng = Rng::new(seed);
     let mut continuous = 0usize;
@@ -57,7 +68,7 @@ pub fn samples<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A, samples: usize, seed: u64)
     }
     let n = samples.max(1) as f64;
     out.continuous = continuous as f64 / n;
-    out.pdf_integral = pdf_integral(bsdf, wo);
+    out.pdf_integral = pdf_integral;
     let p = out.pdf_integral.clamp(0.0, 1.0);
     // The quadrature's own error is let in as 1e-5.
     let sigma = (p * (1.0 - p) / n).sqrt() + 1e-5;

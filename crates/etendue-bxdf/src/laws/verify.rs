@@ -6,13 +6,14 @@
 use super::{
     Rng,
     cases::{Case, Settings, cases},
-    chi2::chi2,
+    chi2::chi2_against,
+    expected::Expected,
     finite::finite,
-    furnace::furnace,
+    furnace::furnace_against,
     gamma::upper_regularised,
     grid::wo_at,
     reciprocity::{reciprocity, reciprocity_through},
-    sampling::samples,
+    sampling::samples_against,
     sidak,
 };
 use crate::{
@@ -225,12 +226,13 @@ pub fn measure(case: &Case, settings: &Settings) -> Vec<Cell> {
         let wo = wo_at(angle);
         let seed = seed.wrapping_add(i as u64);
         let at = Some(angle);
-        let c = chi2(&closure, wo, n, seed);
+        let expected = Expected::new(&closure, wo, n);
+        let c = chi2_against(&expected, &closure, wo, n, seed);
         let note =
             format!("χ² {:.1} of {} degrees of freedom, ∫pdf {:.6}", c.statistic, c.dof, c.pdf_integral);
         push(Law::Chi2, at, Claim::Holds, c.p, note);
 
-        let m = samples(&closure, wo, (n / 10).max(1_000), seed ^ 0x5a);
+        let m = samples_against(expected.pdf_integral, &closure, wo, (n / 10).max(1_000), seed ^ 0x5a);
         let worst = m.weight_error.max(m.pdf_error).max(m.split_error).max(m.length_error);
         let note = format!(
             "weight {:.1e}, pdf {:.1e}, split {:.1e}, length {:.1e}, largest weight {:.3}",
@@ -240,7 +242,7 @@ pub fn measure(case: &Case, settings: &Settings) -> Vec<Cell> {
         let note = format!("∫pdf {:.6}, {:.6} of the samples", m.pdf_integral, m.continuous);
         push(Law::Density, at, Claim::Holds, m.p, note);
 
-        let f = furnace(&closure, wo, (n / 4).max(1_000), seed ^ 0xa5);
+        let f = furnace_against(expected.albedo, &closure, wo, (n / 4).max(1_000), seed ^ 0xa5);
         let note =
             format!("sampled {:.5}, variance {:.4}", f.sampled.max_element(), f.variance.max_element());
         if energy {

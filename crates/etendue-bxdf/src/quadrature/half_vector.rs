@@ -1,8 +1,8 @@
 //! The upper hemisphere by stretched half vectors; see the module above.
 
 use super::{for_panels, lobe_shape};
-use core::f64::consts::{FRAC_PI_2, TAU};
-use glam::{DVec3, Vec3A, dvec3};
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+use glam::{DVec2, DVec3, Vec3A, dvec2, dvec3};
 
 /// The map between reflected directions and stretched half-vector slopes, for one `wo`.
 #[derive(Clone, Copy, Debug)]
@@ -40,9 +40,15 @@ impl HalfVectorMap {
 
     /// [`HalfVectorMap::coordinates`] of a direction with more digits.
     pub fn coordinates_exact(&self, wi: DVec3) -> (f64, f64) {
+        super::polar(self.slopes(wi))
+    }
+
+    /// The stretched slopes (s cos ψ, s sin ψ) of a reflected direction above the horizon.
+    #[inline]
+    pub fn slopes(&self, wi: DVec3) -> DVec2 {
         let h = self.wo + wi;
-        let (p, q) = (h.x / (self.ax * h.z), h.y / (self.ay * h.z));
-        (p.hypot(q), q.atan2(p).rem_euclid(TAU))
+        let inv = 1.0 / h.z;
+        dvec2(h.x * inv / self.ax, h.y * inv / self.ay)
     }
 
     /// s*(ψ): `wi` lies above the horizon for 0 ≤ s < s*.
@@ -76,6 +82,23 @@ impl HalfVectorMap {
         breaks.sort_by(f64::total_cmp);
         breaks.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
         breaks
+    }
+
+    /// The directions of one angle ψ, for [`super::table`].
+    pub(super) fn ray(&self, psi: f64) -> UpperRay {
+        let (sin, cos) = psi.sin_cos();
+        UpperRay { map: *self, x: self.ax * cos, y: self.ay * sin, end: self.horizon(psi) }
+    }
+
+    /// Angles at which what a ray gives may change its course: where s* passes from one regime to the other, and along the
+    /// narrow axis of an elongated lobe, as narrow in ψ as the ratio of the axes.
+    pub(super) fn turns(&self) -> Vec<f64> {
+        let zero = (-(self.ax * self.wo.x)).atan2(self.ay * self.wo.y);
+        let mut out: Vec<f64> = (0..4).map(|i| (zero + i as f64 * FRAC_PI_2).rem_euclid(TAU)).collect();
+        // At grazing angles it passes within an angle of wo.z, and where it does, the far ends of ridges lie.
+        super::around(&[zero, zero + PI], self.wo.z.max(1e-3), &mut out);
+        super::along_narrow_axis(self.ax, self.ay, &mut out);
+        out
     }
 
     /// Where a panel in s should end: doubling from the bump outwards, and halving towards the horizon.
@@ -132,10 +155,47 @@ impl HalfVectorMap {
     }
 }
 
+/// The directions of one angle about the peak.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct UpperRay {
+    map: HalfVectorMap,
+    x: f64,
+    y: f64,
+    /// s*.
+    pub end: f64,
+}
+
+impl UpperRay {
+    /// The direction at s and dωi / (ds dψ), with what rounding the direction to `f32` does to a tight lobe undone.
+    #[inline]
+    pub fn at(&self, s: f64) -> (Vec3A, f64) {
+        let map = &self.map;
+        let h = dvec3(self.x * s, self.y * s, 1.0);
+        let len2 = h.length_squared();
+        let dot = map.wo.dot(h);
+        let wi = (h * (2.0 * dot / len2) - map.wo).as_vec3a();
+        let jacobian = 4.0 * dot * map.ax * map.ay * s / (len2 * len2);
+        let g = map.wo + wi.as_dvec3();
+        let (p, q) = (g.x / (map.ax * g.z), g.y / (map.ay * g.z));
+        // lobe_shape(s) over that of the rounded direction.
+        let moved = (1.0 + p * p + q * q) / (1.0 + s * s);
+        (wi, jacobian * moved * moved)
+    }
+
+    /// Doubling from the bump outwards, and towards the horizon.
+    pub fn breaks(&self, out: &mut Vec<f64>) {
+        let mut s = 0.5f64.min(0.25 * self.end);
+        while s < self.end {
+            out.push(s);
+            s *= 2.0;
+        }
+        out.extend((1..4).map(|j| self.end * (1.0 - 0.25f64.powi(j))));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::{super::gauss_legendre, *};
-    use core::f64::consts::PI;
 
     #[test]
     fn the_map_covers_the_hemisphere_once() {

@@ -21,7 +21,7 @@
 //! without bound; a square-root substitution undoes it), at the border of the cone that refraction reaches,
 //! wo·wi = −min(η, 1/η), and where the half vector is horizontal, wo.z = η |wi.z|. All are quadratic in ρ.
 
-use super::{for_panels, lobe_shape};
+use super::lobe_shape;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DVec2, DVec3, Vec3A, dvec2, dvec3};
 
@@ -58,13 +58,13 @@ impl RefractionMap {
     }
 
     /// The displacement of p by one unit of ρ.
-    fn ray(&self, psi: f64) -> DVec2 {
+    fn ray_vector(&self, psi: f64) -> DVec2 {
         self.beta * dvec2(psi.cos(), psi.sin())
     }
 
     /// The roots ρ of |p|² = 1, least first; the least is not positive.
     fn rim(&self, psi: f64) -> (f64, f64) {
-        let b = self.ray(psi);
+        let b = self.ray_vector(psi);
         let (b2, cb) = (b.length_squared(), self.centre.dot(b));
         let root = (cb * cb + self.centre_z2 * b2).sqrt();
         // The form without cancellation for each.
@@ -81,20 +81,6 @@ impl RefractionMap {
         self.rim(psi).1
     }
 
-    /// The direction at (ρ, ψ) and dωi / (dρ dψ), which grows without bound towards ρ*.
-    pub fn direction(&self, rho: f64, psi: f64) -> (Vec3A, f64) {
-        let (start, end) = self.rim(psi);
-        self.direction_below(rho, psi, start, end - rho)
-    }
-
-    /// [`RefractionMap::direction`] with the distance to the rim, `below`, apart, so that it keeps its digits there.
-    fn direction_below(&self, rho: f64, psi: f64, start: f64, below: f64) -> (Vec3A, f64) {
-        let b = self.ray(psi);
-        let p = self.centre + b * rho;
-        let z = (b.length_squared() * below * (rho - start)).max(0.0).sqrt().max(1e-12);
-        (dvec3(p.x, p.y, -z).as_vec3a(), self.beta.x * self.beta.y * rho / z)
-    }
-
     /// (ρ, ψ) of a direction below the horizon; ψ in 0..2π.
     pub fn coordinates(&self, wi: Vec3A) -> (f64, f64) {
         self.coordinates_exact(wi.as_dvec3())
@@ -102,8 +88,13 @@ impl RefractionMap {
 
     /// [`RefractionMap::coordinates`] of a direction with more digits.
     pub fn coordinates_exact(&self, wi: DVec3) -> (f64, f64) {
-        let d = (wi.truncate() - self.centre) / self.beta;
-        (d.length(), d.y.atan2(d.x).rem_euclid(TAU))
+        super::polar(self.offset(wi))
+    }
+
+    /// (ρ cos ψ, ρ sin ψ) of a direction below the horizon.
+    #[inline]
+    pub fn offset(&self, wi: DVec3) -> DVec2 {
+        (wi.truncate() - self.centre) / self.beta
     }
 
     /// The half vector's slopes over α.
@@ -114,7 +105,7 @@ impl RefractionMap {
 
     /// The curves at which a scattering function may have a step or a kink, as a ρ² + b ρ + c = 0.
     fn kinks(&self, psi: f64) -> [[f64; 3]; 2] {
-        let b = self.ray(psi);
+        let b = self.ray_vector(psi);
         // A horizontal half vector, wo.z = η |wi.z|: |p|² = 1 − (wo.z/η)².
         let z = self.wo.z / self.eta;
         let horizontal = [b.length_squared(), 2.0 * self.centre.dot(b), z * z - self.centre_z2];
@@ -152,130 +143,100 @@ impl RefractionMap {
         out
     }
 
-    /// Where a panel in ψ should end: dense around the two angles at which ρ* passes from one regime to the other.
-    fn psi_breaks(&self) -> Vec<f64> {
+    /// The directions of one angle ψ, for [`super::table`].
+    pub(super) fn ray(&self, psi: f64) -> LowerRay {
+        let (start, end) = self.rim(psi);
+        LowerRay { map: *self, psi, b: self.ray_vector(psi), start, end }
+    }
+
+    /// Angles at which what a ray gives may change its course: where ρ* passes from one regime to the other, where a ray
+    /// is tangent to a kink, and along the narrow axis of an elongated lobe.
+    pub(super) fn turns(&self) -> Vec<f64> {
         let zero = (-(self.beta.x * self.centre.x)).atan2(self.beta.y * self.centre.y);
-        let mut breaks = vec![0.0, TAU];
-        for quarter in 0..4 {
-            let at = zero + quarter as f64 * FRAC_PI_2;
-            breaks.push(at.rem_euclid(TAU));
-            let halvings = if quarter % 2 == 0 { 12 } else { 3 };
-            for j in 1..halvings {
-                let d = FRAC_PI_2 * 0.5f64.powi(j);
-                breaks.push((at + d).rem_euclid(TAU));
-                breaks.push((at - d).rem_euclid(TAU));
-            }
-        }
-        // An elongated lobe stretches ρ* to a peak along its narrow axis, as wide as the ratio of the axes.
-        let ratio = self.beta.min_element() / self.beta.max_element();
-        let axis = if self.beta.x > self.beta.y { FRAC_PI_2 } else { 0.0 };
-        for at in [axis, axis + PI] {
-            breaks.push(at);
-            let mut d = 0.5 * FRAC_PI_2;
-            while d > 0.5 * ratio {
-                breaks.push((at + d).rem_euclid(TAU));
-                breaks.push((at - d).rem_euclid(TAU));
-                d *= 0.5;
-            }
-        }
-        for at in self.tangents() {
-            breaks.push(at.rem_euclid(TAU));
-            for j in 2..8 {
-                let d = FRAC_PI_2 * 0.25f64.powi(j);
-                breaks.push((at + d).rem_euclid(TAU));
-                breaks.push((at - d).rem_euclid(TAU));
-            }
-        }
-        breaks.sort_by(f64::total_cmp);
-        breaks.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
-        breaks
+        let mut out: Vec<f64> = (0..4).map(|i| (zero + i as f64 * FRAC_PI_2).rem_euclid(TAU)).collect();
+        out.extend(self.tangents().into_iter().map(|at| at.rem_euclid(TAU)));
+        super::around(&[zero, zero + PI], self.centre_z2.sqrt().max(1e-3), &mut out);
+        super::along_narrow_axis(self.beta.x, self.beta.y, &mut out);
+        out
     }
 
-    /// Where a panel in ρ should end; the last is ρ*.
-    fn rho_breaks(&self, psi: f64, end: f64) -> Vec<f64> {
-        if !(end > 0.0) {
-            return Vec::new();
-        }
-        let mut breaks = vec![0.0];
-        let mut rho = (1.0 / 64.0f64).min(end / 64.0);
-        while rho < end {
-            breaks.push(rho);
-            rho *= if rho < 0.25 { 4.0 } else { 2.0 };
-        }
-        breaks.extend((1..6).map(|j| end * (1.0 - 0.25f64.powi(j))));
-        for [a, b, c] in self.kinks(psi) {
-            let d = b * b - 4.0 * a * c;
-            if d > 0.0 && a > 0.0 {
-                let q = -0.5 * (b + d.sqrt().copysign(b));
-                breaks.push(q / a);
-                if q != 0.0 {
-                    breaks.push(c / q);
-                }
-            }
-        }
-        breaks.retain(|&r| r >= 0.0 && r < end);
-        breaks.push(end);
-        breaks.sort_by(f64::total_cmp);
-        breaks.dedup_by(|a, b| (*a - *b).abs() < 1e-9 * end);
-        breaks
-    }
-
-    /// Integral over the rectangle `rho` × `psi` of `f(wi)` dωi, as far as it lies in the disk; `nodes` from
-    /// [`super::gauss_legendre`]. Four independent lanes.
-    pub fn integrate(
-        &self,
-        rho: (f64, f64),
-        psi: (f64, f64),
-        nodes: &[(f64, f64)],
-        f: impl Fn(Vec3A) -> [f32; 4],
-    ) -> [f64; 4] {
-        let mut sum = [0.0f64; 4];
-        for_panels(&self.psi_breaks(), psi, |p0, p1| {
-            for &(x, w) in nodes {
-                let angle = p0 + (p1 - p0) * x;
-                let w_psi = w * (p1 - p0);
-                let (start, end) = self.rim(angle);
-                for_panels(&self.rho_breaks(angle, end), rho, |r0, r1| {
-                    for &(x, w) in nodes {
-                        // end − ρ as a square makes the last panel's integrand smooth, and does no harm to others.
-                        let (t0, t1) = ((end - r0).sqrt(), (end - r1).max(0.0).sqrt());
-                        let t = t0 + (t1 - t0) * x;
-                        let (wi, jacobian) = self.direction_below(end - t * t, angle, start, t * t);
-                        let weight = w
-                            * (t0 - t1)
-                            * 2.0
-                            * t
-                            * w_psi
-                            * jacobian
-                            * self.rounding(wi, end - t * t, angle);
-                        for (sum, v) in sum.iter_mut().zip(f(wi)) {
-                            *sum += weight * v as f64;
-                        }
-                    }
-                });
-            }
-        });
-        sum
-    }
-
-    /// What rounding `wi` to `f32` does to a tight lobe, undone by its known shape.
-    fn rounding(&self, wi: Vec3A, rho: f64, psi: f64) -> f64 {
-        let p = self.centre + self.ray(psi) * rho;
-        let exact = dvec3(p.x, p.y, -(1.0 - p.length_squared()).max(0.0).sqrt());
+    /// What rounding a direction from `exact` to `wi` does to a tight lobe, undone by its known shape.
+    #[inline]
+    fn rounding(&self, exact: DVec3, wi: Vec3A) -> f64 {
         let shape = lobe_shape(self.slope(exact)) / lobe_shape(self.slope(wi.as_dvec3()));
         // Where the half vector is horizontal its slopes say nothing, and nothing is tight there.
         if (0.5..2.0).contains(&shape) { shape } else { 1.0 }
     }
+}
 
-    /// Integral over the whole lower hemisphere.
-    pub fn integrate_all(&self, nodes: &[(f64, f64)], f: impl Fn(Vec3A) -> [f32; 4]) -> [f64; 4] {
-        self.integrate((0.0, f64::INFINITY), (0.0, TAU), nodes, f)
+/// The directions of one angle about the peak.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LowerRay {
+    map: RefractionMap,
+    psi: f64,
+    b: DVec2,
+    start: f64,
+    /// ρ*.
+    pub end: f64,
+}
+
+impl LowerRay {
+    /// The parameter of a ρ: √(ρ* − ρ), in which the direction's z has no root.
+    #[inline]
+    pub fn parameter(&self, rho: f64) -> f64 {
+        (self.end - rho).max(0.0).sqrt()
+    }
+
+    /// The direction at a parameter and dωi / (dt dψ), with what rounding the direction to `f32` does to a tight lobe undone.
+    #[inline]
+    pub fn at(&self, t: f64) -> (Vec3A, f64) {
+        let map = &self.map;
+        let rho = self.end - t * t;
+        let p = map.centre + self.b * rho;
+        let z = self.b.length() * t * (rho - self.start).max(0.0).sqrt();
+        let exact = dvec3(p.x, p.y, -z.max(1e-12));
+        let wi = exact.as_vec3a();
+        // 2 t dt = −dρ; z is proportional to t.
+        let weight = 2.0 * map.beta.x * map.beta.y * rho * t / z.max(1e-12);
+        (wi, weight * map.rounding(exact, wi))
+    }
+
+    /// Doubling from the bump outwards, towards the rim, and at the kinks.
+    pub fn breaks(&self, out: &mut Vec<f64>) {
+        let mut rho = (1.0 / 16.0f64).min(0.25 * self.end);
+        while rho > 0.0 && rho < self.end {
+            out.push(rho);
+            rho *= if rho < 0.5 { 4.0 } else { 2.0 };
+        }
+        out.extend((1..4).map(|j| self.end * (1.0 - 0.25f64.powi(j))));
+        let from = out.len();
+        for [a, b, c] in self.map.kinks(self.psi) {
+            let d = b * b - 4.0 * a * c;
+            if d > 0.0 && a > 0.0 {
+                let q = -0.5 * (b + d.sqrt().copysign(b));
+                out.push(q / a);
+                if q != 0.0 {
+                    out.push(c / q);
+                }
+            }
+        }
+        let mut kept = from;
+        for i in from..out.len() {
+            if out[i] > 0.0 && out[i] < self.end {
+                out[kept] = out[i];
+                kept += 1;
+            }
+        }
+        out.truncate(kept);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{super::gauss_legendre, *};
+    use super::{
+        super::{HemisphereMap, gauss_legendre},
+        *,
+    };
 
     const ETAS: [f32; 7] = [0.4, 1.0 / 1.5, 0.95, 1.0, 1.05, 1.5, 2.5];
 
@@ -286,12 +247,11 @@ mod tests {
 
     #[test]
     fn the_map_covers_the_lower_hemisphere_once() {
-        let nodes = gauss_legendre(6);
         for eta in ETAS {
             for angle in [0.0f32, 30.0, 41.8, 60.0, 85.0, 89.0] {
                 for alpha in [[1.0, 1.0], [0.3, 0.05], [1e-2, 1e-2], [1e-4, 1e-4]] {
                     let map = RefractionMap::new(wo(angle), alpha, eta);
-                    let got = map.integrate_all(&nodes, |w| [1.0, -w.z, w.x * w.x, w.y]);
+                    let got = HemisphereMap::Lower(map).integrate_all(1e-6, |w| [1.0, -w.z, w.x * w.x, w.y]);
                     for (got, want) in got.into_iter().zip([TAU, PI, TAU / 3.0, 0.0]) {
                         assert!(
                             (got - want).abs() < 1e-5 * TAU,
@@ -302,7 +262,8 @@ mod tests {
                         let end = map.horizon(psi);
                         assert!(end >= 0.0);
                         if rho < end {
-                            let (wi, _) = map.direction(rho, psi);
+                            let ray = map.ray(psi);
+                            let (wi, _) = ray.at(ray.parameter(rho));
                             assert!((wi.as_dvec3().length() - 1.0).abs() < 2e-7 && wi.z < 0.0);
                             let (rho2, psi2) = map.coordinates(wi);
                             // wi is rounded to f32: what is left of it for tight lobes.
@@ -332,21 +293,21 @@ mod tests {
                         1.0 / (core::f64::consts::PI * a * a * q * q)
                     };
                     // Any smooth factor that vanishes where refraction ends serves: (wo·m)² (wi·m)².
-                    let here_by = |nodes: &[(f64, f64)]| {
-                        map.integrate_all(nodes, |wi| {
+                    let here_by = |tolerance: f64| {
+                        HemisphereMap::Lower(map).integrate_all(tolerance, |wi| {
                             let i = wi.as_dvec3();
                             let h = o + i * e;
                             let m = h.normalize() * if e > 1.0 { -1.0 } else { 1.0 };
                             let (om, im) = (o.dot(m), i.dot(m));
                             if !(m.z > 0.0 && om > 0.0 && im < 0.0) {
-                                return [0.0; 4];
+                                return [0.0];
                             }
                             let jacobian = e * e * -im / (om + e * im).powi(2);
-                            [(d(m) * jacobian * om * om * im * im) as f32, 0.0, 0.0, 0.0]
+                            [(d(m) * jacobian * om * om * im * im) as f32]
                         })[0]
                     };
-                    let here = here_by(&nodes);
-                    let finer = here_by(&gauss_legendre(20));
+                    let here = here_by(1e-6);
+                    let finer = here_by(1e-8);
                     let mut there = 0.0;
                     for i in 0..64 {
                         for &(x, w) in &nodes {
