@@ -1,12 +1,12 @@
 //! Light from one direction.
 
-use crate::choices::{Choices, Coupling, DirectPi, Masking, Matte};
+use crate::choices::{Choices, Coupling, DirectPi, Matte};
 use crate::surface::Surface;
 use etendue_bxdf::MIN_COS;
 use etendue_bxdf::fresnel::{pow5, schlick_weight};
 use etendue_color::Spectrum;
-use glam::Vec3A;
-use std::f32::consts::{FRAC_1_PI, PI};
+use glam::{Vec3A, vec3a};
+use std::f32::consts::FRAC_1_PI;
 
 /// The surface's value at a pair of directions, and what it is made of.
 #[derive(Clone, Copy, Debug)]
@@ -23,47 +23,15 @@ pub(crate) struct Pair {
     pub kd: Spectrum,
 }
 
-/// D, and D · V with V = G / (4 NL NV).
+/// What the specular part and the layers leave for the diffuse part at a pair of directions, `f` being Fresnel's term there.
 #[inline(always)]
-fn distribution_and_masking(s: &Surface, wi: Vec3A, masking: Masking) -> (f32, f32) {
-    let (nv, nl) = (s.wo.z, wi.z);
-    match masking {
-        Masking::Smith => {
-            if s.mirror {
-                return (0.0, 0.0);
-            }
-            let d = s.ggx.d_along(s.wo + wi);
-            (d, s.ggx.pair(s.wo, wi).value)
-        }
-        Masking::Fast => {
-            let d = s.ggx.d_along(s.wo + wi);
-            let a = s.roughness * s.roughness;
-            (d, d * 0.5 / (2.0 * nl * nv * (1.0 - a) + (nl + nv) * a).max(1e-5))
-        }
-        Masking::Schlick => {
-            let d = s.ggx.d_along(s.wo + wi);
-            let k = schlick_k(s.roughness);
-            (d, d * 0.25 / ((nv * (1.0 - k) + k) * (nl * (1.0 - k) + k)))
-        }
-        Masking::Notes => {
-            // The helmet shader line by line, with its guards; a guard keeps D of a smooth surface from its peak.
-            let a = s.roughness * s.roughness;
-            let a2 = a * a;
-            let nh = (s.wo + wi).normalize_or_zero().z.max(0.0);
-            let denominator = nh * nh * (a2 - 1.0) + 1.0;
-            let d = a2 / (PI * denominator * denominator).max(1e-5);
-            let k = schlick_k(s.roughness);
-            let g1 = |cos: f32| cos / (cos * (1.0 - k) + k).max(1e-5);
-            (d, d * g1(nv) * g1(nl) / (4.0 * nv * nl).max(1e-4))
-        }
+pub(crate) fn coupled(s: &Surface, wi: Vec3A, f: Spectrum, choices: &Choices) -> Spectrum {
+    match choices.coupling {
+        Coupling::Albedo => Spectrum::splat(s.entering * s.entering_at(wi) * s.inv_entering_average),
+        Coupling::OneMinusF => (Spectrum::ONE - f) * s.below_layers(),
+        Coupling::OneMinusF0 => Spectrum::splat((1.0 - s.under[0]) * s.below_layers()),
+        Coupling::Filament | Coupling::Whole => Spectrum::splat(s.below_layers()),
     }
-}
-
-/// Karis' k for lights: (roughness + 1)² / 8.
-#[inline(always)]
-fn schlick_k(roughness: f32) -> f32 {
-    let a = roughness + 1.0;
-    a * a / 8.0
 }
 
 /// Value for light from `wi` (local); `None` below the horizon.
@@ -72,32 +40,52 @@ pub(crate) fn pair(s: &Surface, wi: Vec3A, choices: &Choices) -> Option<Pair> {
     if !(wi.z > MIN_COS) {
         return None;
     }
-    let hv = 0.5 * (s.wo + wi).length();
+    let wo = s.gloss.wo;
+    let hv = 0.5 * (wo + wi).length();
     let w = schlick_weight(hv);
-    let (d, dv) = distribution_and_masking(s, wi, choices.masking);
-    let f = s.fresnel(w);
-    let mut specular = s.compensated(w) * dv;
+    let (d, dv) = s.gloss.lobe(wi, choices.masking);
+    let f = s.fresnel(hv, w);
+    let mut specular = s.compensated(hv, w) * dv;
     if !s.bounces.wide.is_black() {
         specular += s.bounces.wide * (s.bounces.lost * s.bounces.loss.directional(wi.z));
     }
-    let kd = match choices.coupling {
-        Coupling::Albedo => Spectrum::splat(s.through * s.through_at(wi.z) * s.inv_through_average),
-        Coupling::OneMinusF => Spectrum::ONE - f,
-        Coupling::OneMinusF0 => Spectrum::splat(1.0 - s.under[0]),
-        Coupling::Filament | Coupling::Whole => Spectrum::ONE,
-    };
+    let kd = coupled(s, wi, f, choices);
     let kd = match choices.matte {
         Matte::Lambert => kd,
         Matte::Disney => {
-            let fd90 = 0.5 + 2.0 * hv * hv * s.roughness;
+            let fd90 = 0.5 + 2.0 * hv * hv * s.gloss.roughness;
             let bend = |cos: f32| 1.0 + (fd90 - 1.0) * pow5((1.0 - cos).max(0.0));
-            kd * (bend(s.wo.z) * bend(wi.z))
+            kd * (bend(wo.z) * bend(wi.z))
         }
     };
-    let over_pi = match choices.direct_pi {
+    let mut diffuse = s.matte[0] * kd * over_pi(choices);
+    if let Some(layers) = &s.layers {
+        specular *= s.specular_below(wi);
+        if let Some(coat) = &layers.coat {
+            specular += Spectrum::splat(coat.eval(wi, choices.masking));
+        }
+        diffuse += layers.fibres_value(wo, wi);
+    }
+    let g = if d > 0.0 { dv / d * (4.0 * wo.z * wi.z) } else { 0.0 };
+    Some(Pair { diffuse, specular, nl: wi.z, hv, d, f, g, kd })
+}
+
+/// Light from the far side: what is diffusely transmitted, and what passes a sheet.
+#[inline]
+pub(crate) fn from_behind(s: &Surface, wi: Vec3A, choices: &Choices) -> Option<[Spectrum; 2]> {
+    if !(wi.z < -MIN_COS) || (s.matte[1].is_black() && s.passing.is_none()) {
+        return None;
+    }
+    let up = vec3a(wi.x, wi.y, -wi.z);
+    let f = s.fresnel(s.gloss.wo.z, schlick_weight(s.gloss.wo.z));
+    let diffuse = s.matte[1] * coupled(s, up, f, choices) * over_pi(choices);
+    Some([diffuse, s.passing.as_ref().map_or(Spectrum::ZERO, |p| p.eval(s, up))])
+}
+
+#[inline(always)]
+pub(crate) fn over_pi(choices: &Choices) -> f32 {
+    match choices.direct_pi {
         DirectPi::Once => FRAC_1_PI,
         DirectPi::Never => 1.0,
-    };
-    let g = if d > 0.0 { dv / d * (4.0 * s.wo.z * wi.z) } else { 0.0 };
-    Some(Pair { diffuse: s.matte * kd * over_pi, specular, nl: wi.z, hv, d, f, g, kd })
+    }
 }

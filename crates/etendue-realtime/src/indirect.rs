@@ -1,12 +1,14 @@
 //! Light from the sky.
 
-use crate::choices::{Choices, Coupling, Diffuse, Lobe, Pi, Specular, SplitFresnel};
+use crate::choices::{Choices, Coupling, Diffuse, Pi, SplitFresnel};
+use crate::gloss::{lattice, samples, to_world};
+use crate::layers::Fibres;
 use crate::lighting::Lighting;
 use crate::sky_light::SkyLight;
-use crate::surface::{Surface, unit};
-use etendue_bxdf::MIN_COS;
-use etendue_bxdf::fresnel::{schlick_rough, schlick_weight};
+use crate::surface::{Surface, table, unit};
+use etendue_bxdf::fresnel::schlick_rough;
 use etendue_bxdf::sampling::Frame;
+use etendue_bxdf::{Bsdf, MIN_COS};
 use etendue_color::Spectrum;
 use etendue_ibl::Dfg;
 use glam::{Vec3A, vec3a};
@@ -37,207 +39,174 @@ pub(crate) fn indirect(
 ) -> Indirect {
     let dfg = s.dfg(choices.dfg);
     let e = sky.irradiance(frame.z);
-    let (irradiance, kd) = matte(s, frame.z, e, sky, lighting, choices, dfg);
+    let at = Place { s, sky, lighting, choices };
+    let (irradiance, kd) = at.matte(frame.z, e, dfg);
     let over = match choices.pi {
         Pi::Once => 1.0,
         Pi::Twice => FRAC_1_PI,
     };
-    let glossy = match choices.specular {
-        Specular::SplitSum => split_sum(s, frame, sky, choices, dfg),
-        Specular::Sampled => sampled(s, frame, sky, 32),
-        Specular::SampledFew => sampled(s, frame, sky, 8),
-        Specular::Exact => sampled(s, frame, sky, 1024),
-    };
-    let mut specular = glossy.light;
+    let mut diffuse = irradiance * s.matte[0] * kd * over;
+    if !s.matte[1].is_black() {
+        // The same surface, lit from behind.
+        let behind = at.matte(-frame.z, sky.irradiance(-frame.z), dfg).0;
+        diffuse += behind * s.matte[1] * kd * over;
+    }
+    let (mut specular, prefiltered, mip) = at.glossy(frame, dfg);
     if !s.bounces.wide.is_black() {
-        specular += s.bounces.wide * s.bounces.lost * wide(s, frame.z, e, sky, lighting, choices);
+        specular += s.bounces.wide * s.bounces.lost * at.wide(frame.z, e) * s.below_layers();
     }
-    Indirect {
-        diffuse: irradiance * s.matte * kd * over,
-        specular,
-        irradiance,
-        kd,
-        prefiltered: glossy.prefiltered,
-        mip: glossy.mip,
-        dfg,
+    if let Some(layers) = &s.layers {
+        specular += at.coat(frame);
+        if let Some(fibres) = &layers.fibres {
+            diffuse += at.fibres(fibres, frame) * layers.through[0];
+        }
     }
+    Indirect { diffuse, specular, irradiance, kd, prefiltered, mip, dfg }
 }
 
-/// Irradiance over π as the diffuse part sees it, and what of it the specular part leaves.
-#[inline]
-fn matte(
-    s: &Surface,
-    n: Vec3A,
-    e: Spectrum,
-    sky: &SkyLight,
-    lighting: &Lighting,
-    choices: &Choices,
-    dfg: Dfg,
-) -> (Spectrum, Spectrum) {
-    let plain = || match choices.diffuse {
-        Diffuse::Exact => sky.exactly(n, |_| 1.0).unwrap_or(e),
-        Diffuse::Sh9 => e,
-        Diffuse::Cube | Diffuse::Sh9Windowed => e.max(Spectrum::ZERO),
-    };
-    match choices.coupling {
-        Coupling::Albedo => {
-            // ∫ L cos (1 − F̄(cos)) dω over its mean; F̄ = F0 + (F90 − F0) W.
-            let all = match sky.exactly(n, |cos| s.through_at(cos)) {
-                Some(all) => all,
-                None => {
-                    let e = plain();
-                    let taken = sky.zonal(n, e, &lighting.zonal.schlick(s.roughness)).min(e);
-                    e * (1.0 - s.under[0]) - taken * (s.under[1] - s.under[0])
-                }
-            };
-            (all * (s.inv_through_average * FRAC_1_PI), Spectrum::splat(s.through))
+/// What all parts need.
+struct Place<'a> {
+    s: &'a Surface,
+    sky: &'a SkyLight,
+    lighting: &'a Lighting,
+    choices: &'a Choices,
+}
+
+impl Place<'_> {
+    /// Irradiance over π as the diffuse part sees it, and what of it the specular part and the layers leave.
+    #[inline]
+    fn matte(&self, n: Vec3A, e: Spectrum, dfg: Dfg) -> (Spectrum, Spectrum) {
+        let (s, sky) = (self.s, self.sky);
+        let plain = || match self.choices.diffuse {
+            Diffuse::Exact => sky.exactly(n, |_| 1.0).unwrap_or(e),
+            Diffuse::Sh9 => e,
+            Diffuse::Cube | Diffuse::Sh9Windowed => e.max(Spectrum::ZERO),
+        };
+        let below = s.below_layers();
+        match self.choices.coupling {
+            Coupling::Albedo => {
+                // ∫ L cos entering(cos) dω over its mean; for the base alone entering = 1 − F0 − (F90 − F0) W.
+                let across = |cos: f32| vec3a((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
+                let all = match (sky.exactly(n, |cos| s.entering_at(across(cos))), &s.bands) {
+                    (Some(all), _) => all,
+                    (None, Some(bands)) => sky.zonal(n, plain(), bands),
+                    (None, None) => {
+                        let e = plain();
+                        let weighted = sky.zonal(n, e, &self.lighting.zonal.schlick(s.gloss.roughness));
+                        e * (1.0 - s.under[0]) - weighted.min(e) * (s.under[1] - s.under[0])
+                    }
+                };
+                (all * (s.inv_entering_average * FRAC_1_PI), Spectrum::splat(s.entering))
+            }
+            Coupling::OneMinusF => {
+                let f = schlick_rough(s.gloss.wo.z, s.f0, s.gloss.roughness);
+                (plain() * FRAC_1_PI, (Spectrum::ONE - f) * below)
+            }
+            Coupling::Filament => {
+                let taken = dfg.albedo(s.f0, Spectrum::splat(s.f90));
+                (plain() * FRAC_1_PI, (Spectrum::ONE - taken) * below)
+            }
+            Coupling::OneMinusF0 => (plain() * FRAC_1_PI, Spectrum::splat((1.0 - s.under[0]) * below)),
+            Coupling::Whole => (plain() * FRAC_1_PI, Spectrum::splat(below)),
         }
-        Coupling::OneMinusF => {
-            let f = schlick_rough(s.wo.z, s.f0, s.roughness);
-            (plain() * FRAC_1_PI, Spectrum::ONE - f)
-        }
-        Coupling::Filament => {
-            let taken = dfg.albedo(s.f0, Spectrum::splat(s.f90));
-            (plain() * FRAC_1_PI, Spectrum::ONE - taken)
-        }
-        Coupling::OneMinusF0 => (plain() * FRAC_1_PI, Spectrum::splat(1.0 - s.under[0])),
-        Coupling::Whole => (plain() * FRAC_1_PI, Spectrum::ONE),
     }
-}
 
-/// ∫ L cos (1 − E(cos)) dω: the light that the wide lobe of further bounces meets.
-#[inline]
-fn wide(
-    s: &Surface,
-    n: Vec3A,
-    e: Spectrum,
-    sky: &SkyLight,
-    lighting: &Lighting,
-    choices: &Choices,
-) -> Spectrum {
-    let exact = match choices.diffuse {
-        Diffuse::Exact => sky.exactly(n, |cos| s.bounces.loss.directional(cos)),
-        _ => None,
-    };
-    exact.unwrap_or_else(|| sky.zonal(n, e, &lighting.zonal.loss(s.roughness)))
-}
-
-/// The specular lobe's light.
-struct Glossy {
-    light: Spectrum,
-    prefiltered: Spectrum,
-    mip: f32,
-}
-
-#[inline(always)]
-fn to_world(f: &Frame, w: Vec3A) -> Vec3A {
-    f.x * w.x + f.y * w.y + f.z * w.z
-}
-
-/// Filtered importance sampling of the real lobe: Σ L(wi, level) f cos / (n pdf), where the level's texels are as large as the
-/// sample's share 1 / (n pdf) of the sphere (Křivánek, Colbert 2008, "Real-Time Shading with Filtered Importance Sampling",
-/// section 4).
-#[inline]
-fn sampled(s: &Surface, frame: &Frame, sky: &SkyLight, n: u32) -> Glossy {
-    if s.mirror {
-        let light = sky.radiance(to_world(frame, mirror(s.wo)));
-        return Glossy { light: light * s.fresnel(schlick_weight(s.wo.z)), prefiltered: light, mip: 0.0 };
+    /// ∫ L cos (1 − E(cos)) dω: the light that the wide lobe of further bounces meets.
+    #[inline]
+    fn wide(&self, n: Vec3A, e: Spectrum) -> Spectrum {
+        let bounces = &self.s.bounces;
+        let exact = match self.choices.diffuse {
+            Diffuse::Exact => self.sky.exactly(n, |cos| bounces.loss.directional(cos)),
+            _ => None,
+        };
+        exact.unwrap_or_else(|| self.sky.zonal(n, e, &self.lighting.zonal.loss(bounces.roughness)))
     }
-    // F is linear in Schlick's weight: two sums serve all its lanes.
-    let (mut straight, mut grazing, mut mean) = (Spectrum::ZERO, Spectrum::ZERO, Spectrum::ZERO);
-    let (mut total, mut level) = (0.0, 0.0);
-    let inv = 1.0 / n as f32;
-    for i in 0..n {
-        let u = [lattice(i), (i as f32 + 0.5) * inv];
-        let wi = s.ggx.sample_reflection(s.wo, u);
-        if !(wi.z > MIN_COS) {
-            continue;
+
+    /// The base's specular lobe: its light, the mean light over the lobe, and the level of detail.
+    #[inline]
+    fn glossy(&self, frame: &Frame, dfg: Dfg) -> (Spectrum, Spectrum, f32) {
+        let s = self.s;
+        let [a, b] = s.bounces.scale;
+        match samples(self.choices.specular) {
+            Some(n) => {
+                let film = s.film.as_ref().map(|f| (f, [s.f0, Spectrum::splat(s.f90)]));
+                let lit = match &s.layers {
+                    None => s.gloss.sampled(frame, self.sky, n, film, |_| 1.0),
+                    Some(_) => s.gloss.sampled(frame, self.sky, n, film, |wi| s.specular_below(wi)),
+                };
+                let light = match film {
+                    Some(_) => lit.film * a,
+                    None => s.f0 * a * lit.straight + b * s.f90 * lit.grazing,
+                };
+                (light, lit.prefiltered, lit.mip)
+            }
+            // The split sum (Karis 2013): prefiltered light × reflectance.
+            None => {
+                let (prefiltered, mip) = s.gloss.prefiltered(frame, self.sky, self.choices);
+                let cos = s.gloss.wo.z;
+                let f0 = match self.choices.fresnel {
+                    SplitFresnel::F0Ab => s.f0,
+                    SplitFresnel::Notes => schlick_rough(cos, s.f0, s.gloss.roughness),
+                };
+                let reflectance = match &s.film {
+                    None => f0 * a * dfg.scale + b * (s.f90 * dfg.bias),
+                    // A film's colours at the view's angle stand for those of all facets.
+                    Some(_) => {
+                        let w = s.gloss.row.directional(cos).w;
+                        s.fresnel(cos, w) * a * dfg.energy()
+                    }
+                };
+                (prefiltered * reflectance * s.below_layers(), prefiltered, mip)
+            }
         }
-        let pair = s.ggx.pair(s.wo, wi);
-        let share = inv / pair.pdf;
-        let (light, lod) = sky.averaged(to_world(frame, wi), share);
-        let weight = pair.value * wi.z * share;
-        let w = schlick_weight(pair.cos_half);
-        let lit = light * weight;
-        straight += lit * (1.0 - w);
-        grazing += lit * w;
-        mean += lit;
-        total += weight;
-        level += weight * lod;
     }
-    let [a, b] = s.bounces.scale;
-    let inv = if total > 0.0 { 1.0 / total } else { 0.0 };
-    Glossy { light: s.f0 * a * straight + b * s.f90 * grazing, prefiltered: mean * inv, mip: level * inv }
-}
 
-/// The golden ratio's multiples: with the index they are a lattice of the square that is even for every number of points.
-#[inline(always)]
-fn lattice(i: u32) -> f32 {
-    // 2³² over the golden ratio.
-    (i.wrapping_mul(0x9e37_79b9) >> 8) as f32 * (1.0 / 16_777_216.0)
-}
-
-#[inline(always)]
-fn mirror(wo: Vec3A) -> Vec3A {
-    vec3a(-wo.x, -wo.y, wo.z)
-}
-
-/// The split sum (Karis 2013): prefiltered light × reflectance.
-#[inline]
-fn split_sum(s: &Surface, frame: &Frame, sky: &SkyLight, choices: &Choices, dfg: Dfg) -> Glossy {
-    let r = mirror(s.wo);
-    let alpha = s.roughness * s.roughness;
-    let (prefiltered, mip) = match choices.lobe {
-        Lobe::Mirror => sky.prefiltered(to_world(frame, r), s.roughness),
-        Lobe::Dominant => {
-            let smooth = unit(1.0 - alpha);
-            let towards_mirror = smooth * (smooth.sqrt() + alpha);
-            let d = r * towards_mirror + Vec3A::Z * (1.0 - towards_mirror);
-            sky.prefiltered(to_world(frame, d), s.roughness)
+    /// The lacquer's lobe.
+    #[inline]
+    fn coat(&self, frame: &Frame) -> Spectrum {
+        let coat = self.s.layers.as_ref().and_then(|l| l.coat.as_ref());
+        let Some((coat, gloss)) = coat.and_then(|c| c.gloss.as_ref().map(|g| (c, g))) else {
+            return Spectrum::ZERO;
+        };
+        let (frame, [f0, f90]) = (coat.world_frame(frame), coat.ends());
+        match samples(self.choices.specular) {
+            Some(n) => {
+                let lit = gloss.sampled(&frame, self.sky, n, None, |_| 1.0);
+                lit.straight * f0 + lit.grazing * f90
+            }
+            None => {
+                let d = table(gloss);
+                gloss.prefiltered(&frame, self.sky, self.choices).0 * (f0 * d.scale + f90 * d.bias)
+            }
         }
-        Lobe::Stretched => stretched(s, frame, sky),
-    };
-    let [a, b] = s.bounces.scale;
-    let f0 = match choices.fresnel {
-        SplitFresnel::F0Ab => s.f0,
-        SplitFresnel::Notes => schlick_rough(s.wo.z, s.f0, s.roughness),
-    };
-    let reflectance = f0 * a * dfg.scale + b * (s.f90 * dfg.bias);
-    Glossy { light: prefiltered * reflectance, prefiltered, mip }
-}
-
-/// The mean of five looks whose half vectors lie in the plane of incidence.
-///
-/// Half vectors are spread over an angle of about α around the normal in each direction. Mirrored at them, the view moves by
-/// twice the angle within the plane of incidence, but by 2 V·H times it beside the plane: the lobe is an ellipse 1 : V·H, where a
-/// prefiltered cube has circles. So each look is at a circle narrower by V·H, and the looks stand at the quantiles 0.1, 0.3, … 0.9
-/// of the slopes within the plane, whose density is α² / (2 (α² + x²)^(3/2)), each weighted with what is visible of it.
-#[inline]
-fn stretched(s: &Surface, frame: &Frame, sky: &SkyLight) -> (Spectrum, f32) {
-    // x / α = q / √(1 − q²) for q = 2u − 1.
-    const SLOPES: [f32; 5] = [-1.333_333_4, -0.436_435_8, 0.0, 0.436_435_8, 1.333_333_4];
-    let alpha = s.roughness * s.roughness;
-    let along = vec3a(s.wo.x, s.wo.y, 0.0).normalize_or_zero();
-    let (mut sum, mut total, mut mip) = (Spectrum::ZERO, 0.0, 0.0);
-    for slope in SLOPES {
-        let h = (Vec3A::Z + along * (alpha * slope)).normalize();
-        let cos = s.wo.dot(h);
-        let wi = h * (2.0 * cos) - s.wo;
-        if !(cos > 0.0 && wi.z > 0.0) {
-            continue;
-        }
-        let weight = cos * s.ggx.g2(s.wo, wi);
-        // Not narrower than what lies between two looks.
-        let narrow = s.roughness * cos.max(0.35).sqrt();
-        let (light, lod) = sky.prefiltered(to_world(frame, wi), narrow);
-        sum += light * weight;
-        total += weight;
-        mip += lod * weight;
     }
-    if total > 0.0 {
-        (sum * (1.0 / total), mip / total)
-    } else {
-        sky.prefiltered(to_world(frame, mirror(s.wo)), s.roughness)
+
+    /// The fibres' lobe, by samples also beside the split sum: it is no lobe about a mirror direction, and a cube of its own for
+    /// each roughness would only serve the rare cloth.
+    #[inline]
+    fn fibres(&self, fibres: &Fibres, frame: &Frame) -> Spectrum {
+        let n = samples(self.choices.specular).unwrap_or(16).min(256);
+        let (wo, inv) = (self.s.gloss.wo, 1.0 / n as f32);
+        let (mut lit, mut white) = (Spectrum::ZERO, Spectrum::ZERO);
+        for i in 0..n {
+            // The third dimension by another irrational number.
+            let uc = (i.wrapping_mul(0xb504_f334) >> 8) as f32 * (1.0 / 16_777_216.0);
+            let Some(sample) = fibres.lobe.sample(wo, uc, lattice(i, inv)) else { continue };
+            if !(sample.wi.z > MIN_COS) {
+                continue;
+            }
+            let light = self.sky.averaged(to_world(frame, sample.wi), inv / sample.pdf).0;
+            lit += sample.weight * light;
+            white += sample.weight;
+        }
+        let known = fibres.lobe.albedo(wo);
+        let mut out = Spectrum::ZERO;
+        for i in 0..3 {
+            if white[i] > 0.0 {
+                out[i] = lit[i] / white[i] * known[i];
+            }
+        }
+        out
     }
 }
 

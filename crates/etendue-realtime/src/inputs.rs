@@ -28,7 +28,7 @@ pub struct Inputs {
     pub surface: GltfParams,
     /// The occlusion texture with its strength, 0 closed .. 1 open.
     pub occlusion: f32,
-    /// Emitted radiance: factor × strength × texture, before any coat.
+    /// Emitted radiance towards the viewer: factor × strength × texture, through any coat.
     pub emission: Spectrum,
     /// Opacity, 0..1, for blending; shading does not look at it.
     pub alpha: f32,

@@ -15,6 +15,7 @@
 //! | [`light`] | directional, point and spot lights; rectangles, disks and spheres |
 //! | [`sky_light`] | the sky made ready |
 //! | [`zonal`] | kernels about a normal that are no cosine, against spherical harmonics |
+//! | [`ltc`] | the GGX lobe as a stretched cosine, for lights with an extent |
 //! | [`lighting`] | lights and sky together |
 //! | [`mod@shade`] | the shading itself |
 //! | [`twin`] | the picture, drawn pixel by pixel on the processor |
@@ -39,21 +40,28 @@
 // `!(x > 0.0)` and `x.max(0.0).min(1.0)` are meant as they stand: they also catch NaN.
 #![allow(clippy::neg_cmp_op_on_partial_ord, clippy::manual_clamp)]
 
+mod area;
 pub mod around;
 pub mod choices;
 mod direct;
+mod film;
+mod gloss;
 mod indirect;
 pub mod inputs;
+mod layers;
 pub mod light;
 pub mod lighting;
+pub mod ltc;
 mod names;
 pub mod passes;
+mod polygon;
 pub mod preset;
 pub mod shade;
 pub mod sky_light;
 mod surface;
 pub mod terms;
 pub mod twin;
+mod transmit;
 pub mod zonal;
 
 pub use around::{Around, Behind, Toward};

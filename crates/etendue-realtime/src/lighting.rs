@@ -2,6 +2,7 @@
 
 use crate::choices::Choices;
 use crate::light::{AreaLight, PunctualLight};
+use crate::ltc::LtcTable;
 use crate::sky_light::SkyLight;
 use crate::zonal::ZonalTable;
 use etendue_ibl::BadSky;
@@ -21,6 +22,8 @@ pub struct Lighting {
     pub sky: Option<SkyLight>,
     /// Kernels about a normal.
     pub zonal: ZonalTable,
+    /// Lobes as stretched cosines.
+    pub ltc: LtcTable,
 }
 
 impl Lighting {
@@ -39,6 +42,7 @@ impl Lighting {
             areas: Vec::new(),
             sky: SkyLight::new(&scene.environment, choices)?,
             zonal: ZonalTable::new(),
+            ltc: LtcTable::default(),
         })
     }
 }

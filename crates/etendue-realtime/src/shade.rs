@@ -1,8 +1,9 @@
 //! The shading of a point.
 
+use crate::area::{Patch, patch};
 use crate::around::{Around, Toward};
 use crate::choices::{Choices, Occlusion, Shadows};
-use crate::direct::pair;
+use crate::direct::{Pair, from_behind, pair};
 use crate::indirect::{indirect, specular_occlusion};
 use crate::inputs::Inputs;
 use crate::lighting::Lighting;
@@ -24,16 +25,18 @@ pub fn shade<A: Around>(inputs: &Inputs, lighting: &Lighting, choices: &Choices,
         return out;
     }
     out.terms.emission = inputs.emission;
-    direct_light(&mut out, &s, inputs, lighting, choices, around);
+    let lights = Lights { s: &s, inputs, choices, around };
+    lights.punctual(&mut out, lighting);
+    lights.areas(&mut out, lighting);
     if let Some(sky) = &lighting.sky {
         let i = indirect(&s, &inputs.frame, sky, lighting, choices);
         let ao = unit(inputs.occlusion);
-        let alpha = s.roughness * s.roughness;
+        let alpha = s.gloss.roughness * s.gloss.roughness;
         let [diffuse, specular] = match choices.occlusion {
             Occlusion::None => [1.0, 1.0],
             Occlusion::Diffuse => [ao, 1.0],
             Occlusion::Both => [ao, ao],
-            Occlusion::Specular => [ao, specular_occlusion(s.wo.z, ao, alpha)],
+            Occlusion::Specular => [ao, specular_occlusion(s.gloss.wo.z, ao, alpha)],
         };
         out.terms.indirect_diffuse = i.diffuse * diffuse;
         out.terms.indirect_specular = i.specular * specular;
@@ -46,6 +49,9 @@ pub fn shade<A: Around>(inputs: &Inputs, lighting: &Lighting, choices: &Choices,
         v.occlusion = diffuse;
         v.specular_occlusion = specular;
     }
+    if let Some(passing) = &s.passing {
+        out.terms.transmission += passing.seen(&s, inputs, lighting, choices, around);
+    }
     out
 }
 
@@ -57,46 +63,80 @@ fn values(inputs: &Inputs, s: &Surface) -> Values {
         bitangent: inputs.tangent_frame.y,
         vertex_normal: inputs.tangent_frame.z,
         reflection: n * (2.0 * n.dot(inputs.view)) - inputs.view,
-        nv: s.wo.z,
+        nv: s.gloss.wo.z,
         base_color: s.base_color,
         metallic: s.metallic,
-        roughness: s.roughness,
+        roughness: s.gloss.roughness,
         f0: s.f0,
         ..Values::default()
     }
 }
 
-/// Adds the lights without an extent.
-#[inline]
-fn direct_light<A: Around>(
-    out: &mut Shaded,
-    s: &Surface,
-    inputs: &Inputs,
-    lighting: &Lighting,
-    choices: &Choices,
-    around: &A,
-) {
-    let f = &inputs.frame;
-    let mut brightest = 0.0;
-    for (number, light) in lighting.lights.iter().enumerate() {
-        let Some(incoming) = light.at(inputs.position) else { continue };
-        let w = incoming.wi;
-        let Some(p) = pair(s, Vec3A::new(f.x.dot(w), f.y.dot(w), f.z.dot(w)), choices) else { continue };
-        let brightness = incoming.irradiance.luminance();
-        if brightness > brightest {
-            brightest = brightness;
-            let v = &mut out.values;
-            (v.nl, v.hv, v.d, v.f, v.g, v.ks, v.kd) = (p.nl, p.hv, p.d, p.f, p.g, p.f, p.kd);
-        }
-        let toward = Toward { light: number, direction: w, distance: incoming.distance };
-        let visible = match choices.shadows {
-            Shadows::Rays => around.visible(&toward),
+/// What the lights other than the sky need.
+struct Lights<'a, A> {
+    s: &'a Surface,
+    inputs: &'a Inputs,
+    choices: &'a Choices,
+    around: &'a A,
+}
+
+impl<A: Around> Lights<'_, A> {
+    fn visible(&self, toward: &Toward) -> f32 {
+        match self.choices.shadows {
+            Shadows::Rays => self.around.visible(toward),
             Shadows::None => 1.0,
-        };
-        if visible > 0.0 {
-            let lit: Spectrum = incoming.irradiance * (p.nl * visible);
-            out.terms.direct_diffuse += p.diffuse * lit;
-            out.terms.direct_specular += p.specular * lit;
         }
     }
+
+    /// Adds the lights without an extent.
+    #[inline]
+    fn punctual(&self, out: &mut Shaded, lighting: &Lighting) {
+        let mut brightest = 0.0;
+        for (number, light) in lighting.lights.iter().enumerate() {
+            let Some(incoming) = light.at(self.inputs.position) else { continue };
+            let toward = Toward { light: number, direction: incoming.wi, distance: incoming.distance };
+            let wi = self.inputs.frame.to_local(incoming.wi);
+            if let Some(p) = pair(self.s, wi, self.choices) {
+                let brightness = incoming.irradiance.luminance();
+                if brightness > brightest {
+                    brightest = brightness;
+                    keep(&mut out.values, &p);
+                }
+                let lit: Spectrum = incoming.irradiance * (p.nl * self.visible(&toward));
+                out.terms.direct_diffuse += p.diffuse * lit;
+                out.terms.direct_specular += p.specular * lit;
+            } else if let Some([diffuse, passing]) = from_behind(self.s, wi, self.choices) {
+                let lit = incoming.irradiance * (-wi.z * self.visible(&toward));
+                out.terms.direct_diffuse += diffuse * lit;
+                out.terms.transmission += passing * lit;
+            }
+        }
+    }
+
+    /// Adds the lights with an extent.
+    #[inline]
+    fn areas(&self, out: &mut Shaded, lighting: &Lighting) {
+        for (number, light) in lighting.areas.iter().enumerate() {
+            let Some(Patch { diffuse, specular, passing }) =
+                patch(self.s, self.inputs, light, &lighting.ltc, self.choices)
+            else {
+                continue;
+            };
+            let to = Vec3A::from(light.center) - self.inputs.position;
+            let distance = to.length();
+            let toward = Toward {
+                light: lighting.lights.len() + number,
+                direction: to / distance.max(1e-20),
+                distance,
+            };
+            let visible = self.visible(&toward);
+            out.terms.direct_diffuse += light.radiance * diffuse * visible;
+            out.terms.direct_specular += light.radiance * specular * visible;
+            out.terms.transmission += light.radiance * passing * visible;
+        }
+    }
+}
+
+fn keep(v: &mut Values, p: &Pair) {
+    (v.nl, v.hv, v.d, v.f, v.g, v.ks, v.kd) = (p.nl, p.hv, p.d, p.f, p.g, p.f, p.kd);
 }

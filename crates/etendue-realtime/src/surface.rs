@@ -1,27 +1,26 @@
 //! A surface made ready for shading: what does not depend on where light comes from.
 
 use crate::choices::{Choices, Compensation, DfgSource, LeastRoughness};
+use crate::film::Film;
+use crate::gloss::Gloss;
 use crate::inputs::Inputs;
-use etendue_bxdf::energy::Row;
+use crate::layers::Layers;
+use crate::transmit::Passing;
+use crate::zonal::{Bands, quadrature_bands};
 use etendue_bxdf::fresnel::{f0_from_ior, schlick_weight};
 use etendue_bxdf::ggx::ALPHA_DELTA;
 use etendue_bxdf::multiscatter::loss::MirrorLoss;
-use etendue_bxdf::{Fresnel, Ggx, Schlick};
+use etendue_bxdf::{Fresnel, Schlick};
 use etendue_color::Spectrum;
 use etendue_ibl::{Dfg, dfg_fit};
 use glam::{Vec3A, vec3a};
-use std::f32::consts::FRAC_1_PI;
+use std::f32::consts::{FRAC_1_PI, PI};
 
-/// The base: metal, dielectric and what lies under the dielectric. Directions are in [`Inputs::frame`].
+/// The base, metal and dielectric and what lies under the dielectric, and the layers above. Directions are in [`Inputs::frame`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface {
-    /// Towards the viewer.
-    pub wo: Vec3A,
-    /// Perceptual roughness; where the lobe is anisotropic that of the mean α.
-    pub roughness: f32,
-    pub ggx: Ggx,
-    /// Too smooth for a lobe: a perfect mirror.
-    pub mirror: bool,
+    /// The base's lobe; its `wo` is the direction to the viewer.
+    pub gloss: Gloss,
     pub base_color: Spectrum,
     pub metallic: f32,
     /// F0 and F90 of dielectric and metal together.
@@ -29,21 +28,26 @@ pub(crate) struct Surface {
     pub f90: f32,
     /// The dielectric's largest F0, and its F90: what the diffuse part lies under.
     pub under: [f32; 2],
-    /// Mean Fresnel terms and albedo by angle.
-    pub row: Row,
     /// One over the mean of what reaches the diffuse part.
-    pub inv_through_average: f32,
+    pub inv_entering_average: f32,
     /// What of the light from `wo` reaches the diffuse part.
-    pub through: f32,
-    /// Colour of the diffuse part: albedo, not yet over π.
-    pub matte: Spectrum,
+    pub entering: f32,
+    /// Bands of cosine × what reaches the diffuse part, where layers or a film make these other than the base's own.
+    pub bands: Option<Bands>,
+    /// Colour of the diffuse part on the near side and on the far side: albedo, not yet over π.
+    pub matte: [Spectrum; 2],
     pub bounces: Bounces,
+    pub film: Option<Film>,
+    pub layers: Option<Layers>,
+    pub passing: Option<Passing>,
 }
 
 /// What is done about light that meets several microfacets.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounces {
     pub loss: MirrorLoss,
+    /// Perceptual roughness of the α that stands for both of an anisotropic lobe's.
+    pub roughness: f32,
     /// The part of the light from `wo` that single scattering loses.
     pub lost: f32,
     /// Factors of the F0 part and of the F90 part of the single-scattering lobe.
@@ -59,13 +63,20 @@ pub(crate) fn unit(x: f32) -> f32 {
 }
 
 impl Bounces {
-    /// For a lobe of the α that stands for both of an anisotropic one's, seen at `cos`, between F0 and F90; `share` is the part that
-    /// is given back.
+    /// For a lobe of α along x and y, seen at `cos`, between F0 and F90.
     #[inline]
-    fn new(alpha: f32, share: f32, cos: f32, f0: Spectrum, f90: f32, choice: Compensation) -> Self {
+    fn new(alpha: [f32; 2], cos: f32, f0: Spectrum, f90: f32, choice: Compensation) -> Self {
+        // As `etendue_bxdf::multiscatter` does: one α that loses as much, and the part of its loss that may be given back.
+        let [x, y] = alpha;
+        let (alpha, share) = if x == y {
+            (x, 1.0)
+        } else {
+            let ratio = x.min(y) / x.max(y);
+            ((0.5 * (x * x + y * y)).sqrt(), ratio * ratio.sqrt().sqrt())
+        };
         let loss = MirrorLoss::new(alpha);
-        let none = [Spectrum::ONE; 2];
-        let mut out = Self { loss, lost: 0.0, scale: none, wide: Spectrum::ZERO };
+        let scale = [Spectrum::ONE; 2];
+        let mut out = Self { loss, roughness: alpha.sqrt(), lost: 0.0, scale, wide: Spectrum::ZERO };
         if choice == Compensation::None || !(alpha >= ALPHA_DELTA) {
             return out;
         }
@@ -110,9 +121,6 @@ impl Surface {
         let alpha = roughness * roughness;
         let strength = unit(p.anisotropy_strength);
         let alpha = [alpha + (1.0 - alpha) * (strength * strength), alpha];
-        let anisotropic = alpha[0] != alpha[1];
-        let (mean, share) = if anisotropic { mean_alpha(alpha) } else { (alpha[0], 1.0) };
-        let roughness = if anisotropic { mean.sqrt() } else { roughness };
         let metallic = unit(p.metallic);
         let dielectric = 1.0 - metallic;
         let specular = unit(p.specular);
@@ -121,55 +129,98 @@ impl Surface {
         let f0 = dielectric_f0 * dielectric + base_color * metallic;
         let f90 = specular * dielectric + metallic;
         let under = [dielectric_f0.max_element(), specular];
-        let row = Row::new(roughness);
-        let through = |w: f32| 1.0 - (under[0] + (under[1] - under[0]) * w);
-        Self {
-            wo,
-            roughness,
-            ggx: Ggx::new(alpha[0], alpha[1]),
-            mirror: !(alpha[0].max(alpha[1]) >= ALPHA_DELTA),
+        let gloss = Gloss::new(wo, alpha);
+        let passing = Passing::new(p, roughness, &gloss, inputs.front);
+        let rest = dielectric * (1.0 - unit(p.transmission));
+        let far = unit(p.diffuse_transmission);
+        let far_color = p.diffuse_transmission_color.map(unit);
+        // Coat and fibres lie outside of a volume that is seen from inside.
+        let outside = inputs.front || !passing.is_some_and(|t| t.is_solid());
+        let mut s = Self {
+            gloss,
             base_color,
             metallic,
             f0,
             f90,
             under,
-            row,
-            inv_through_average: 1.0 / through(row.average().w).max(1e-6),
-            through: through(row.directional(wo.z).w).max(0.0),
-            matte: base_color * dielectric,
-            bounces: Bounces::new(mean, share, wo.z, f0, f90, choices.compensation),
+            inv_entering_average: 1.0,
+            entering: 1.0,
+            bands: None,
+            matte: [base_color * (rest * (1.0 - far)), far_color * (rest * far)],
+            bounces: Bounces::new(alpha, wo.z, f0, f90, choices.compensation),
+            film: Film::new(p, dielectric_f0, specular, base_color),
+            layers: outside.then(|| Layers::new(p, wo, least)).flatten(),
+            passing,
+        };
+        if dielectric > 0.0 {
+            s.entering = s.entering_at(wo);
+            let average = if s.film.is_some() || s.layers.is_some() {
+                let across = |cos: f32| vec3a((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
+                let bands = quadrature_bands(|cos| s.entering_at(across(cos)));
+                s.bands = Some(bands);
+                bands[0] / PI
+            } else {
+                1.0 - (under[0] + (under[1] - under[0]) * gloss.row.average().w)
+            };
+            s.inv_entering_average = 1.0 / average.max(1e-6);
         }
+        s
     }
 
-    /// Fresnel's term for Schlick's weight `w`, without any factor.
+    /// Fresnel's term at a half angle's cosine and Schlick's weight of it, without energy compensation.
     #[inline(always)]
-    pub fn fresnel(&self, w: f32) -> Spectrum {
-        self.f0 + (Spectrum::splat(self.f90) - self.f0) * w
+    pub fn fresnel(&self, cos: f32, w: f32) -> Spectrum {
+        let plain = self.f0 + (Spectrum::splat(self.f90) - self.f0) * w;
+        match &self.film {
+            None => plain,
+            Some(film) => film.over(plain, cos),
+        }
     }
 
     /// The same with the factors of energy compensation on both of its ends.
     #[inline(always)]
-    pub fn compensated(&self, w: f32) -> Spectrum {
+    pub fn compensated(&self, cos: f32, w: f32) -> Spectrum {
         let [a, b] = self.bounces.scale;
-        self.f0 * a * (1.0 - w) + b * (self.f90 * w)
+        match &self.film {
+            None => self.f0 * a * (1.0 - w) + b * (self.f90 * w),
+            Some(_) => self.fresnel(cos, w) * a,
+        }
     }
 
-    /// What of the light from a direction of cosine `cos` reaches the diffuse part.
+    /// What of the light from `w` (above) reaches the diffuse part, below base and layers.
     #[inline(always)]
-    pub fn through_at(&self, cos: f32) -> f32 {
-        let w = self.row.directional(cos).w;
-        (1.0 - (self.under[0] + (self.under[1] - self.under[0]) * w)).max(0.0)
+    pub fn entering_at(&self, w: Vec3A) -> f32 {
+        let base = match &self.film {
+            None => self.through_schlick(w.z),
+            Some(film) => 1.0 - film.under(w.z),
+        };
+        base.max(0.0) * self.layers.as_ref().map_or(1.0, |l| l.at(w)[1])
+    }
+
+    #[inline(always)]
+    fn through_schlick(&self, cos: f32) -> f32 {
+        let w = if self.gloss.mirror { schlick_weight(cos) } else { self.gloss.row.directional(cos).w };
+        1.0 - (self.under[0] + (self.under[1] - self.under[0]) * w)
+    }
+
+    /// What the layers let through of light from the viewer.
+    #[inline(always)]
+    pub fn below_layers(&self) -> f32 {
+        self.layers.as_ref().map_or(1.0, |l| l.through[1])
+    }
+
+    /// What the layers let through of specular light between `wo` and `wi` (above): the smaller of both.
+    #[inline(always)]
+    pub fn specular_below(&self, wi: Vec3A) -> f32 {
+        self.layers.as_ref().map_or(1.0, |l| l.through[1].min(l.at(wi)[1]))
     }
 
     /// A and B of the lobe's reflectance, F0 · A + F90 · B.
     #[inline]
     pub fn dfg(&self, source: DfgSource) -> Dfg {
-        let (r, cos) = (self.roughness, self.wo.z);
+        let (r, cos) = (self.gloss.roughness, self.gloss.wo.z);
         match source {
-            DfgSource::Table => {
-                let a = self.row.directional(cos);
-                Dfg { scale: a.e * (1.0 - a.w), bias: a.e * a.w }
-            }
+            DfgSource::Table => table(&self.gloss),
             DfgSource::Exact => Dfg::sampled(r, cos, 2048),
             DfgSource::Fit => dfg_fit::ours(r, cos),
             DfgSource::Karis => dfg_fit::karis(r, cos),
@@ -185,10 +236,9 @@ impl Surface {
     }
 }
 
-/// The one α that stands for two, √((αx² + αy²) / 2), and the part of its loss that may be given back, (αmin / αmax)^(5/4): as
-/// [`etendue_bxdf::multiscatter`] does.
+/// A and B of a lobe by the table.
 #[inline]
-fn mean_alpha([x, y]: [f32; 2]) -> (f32, f32) {
-    let ratio = x.min(y) / x.max(y);
-    ((0.5 * (x * x + y * y)).sqrt(), ratio * ratio.sqrt().sqrt())
+pub(crate) fn table(gloss: &Gloss) -> Dfg {
+    let a = gloss.row.directional(gloss.wo.z);
+    Dfg { scale: a.e * (1.0 - a.w), bias: a.e * a.w }
 }

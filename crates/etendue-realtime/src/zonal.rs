@@ -74,6 +74,27 @@ impl ZonalTable {
     }
 }
 
+/// Bands of cos · k(cos) for any k, by six Gauss-Legendre nodes in the cosine.
+#[inline]
+pub(crate) fn quadrature_bands(k: impl Fn(f32) -> f32) -> Bands {
+    const NODES: [[f32; 2]; 6] = [
+        [0.033_765_24, 0.085_662_25],
+        [0.169_395_31, 0.180_380_79],
+        [0.380_690_4, 0.233_956_97],
+        [0.619_309_6, 0.233_956_97],
+        [0.830_604_7, 0.180_380_79],
+        [0.966_234_8, 0.085_662_25],
+    ];
+    let mut bands = [0.0; 3];
+    for [mu, weight] in NODES {
+        let v = TAU as f32 * weight * mu * k(mu);
+        bands[0] += v;
+        bands[1] += v * mu;
+        bands[2] += v * (1.5 * mu * mu - 0.5);
+    }
+    bands
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
