@@ -1,7 +1,8 @@
 //! Fits linearly transformed cosines to the GGX lobe with heights correlated, and writes `src/ltc_table.bin`.
 //!
-//! For each roughness and angle four numbers (see `etendue_realtime::ltc::Shape`) are sought that make ∫ |f cos / E − D|³ least, as in
-//! Heitz et al. 2016, by the downhill simplex of Nelder and Mead 1965. The integral is taken over directions drawn from both densities.
+//! For each roughness and angle four numbers (see `etendue_realtime::ltc::Shape`) are sought that make ∫ |f cos / E − D| least (Heitz et
+//! al. 2016 take the third power), by the downhill simplex of Nelder and Mead 1965. The first power, rather than the paper's third, because what is
+//! off matters for lights that meet a lobe's flank as much as at its peak. The integral is taken over directions drawn from both densities.
 //!
 //! ```text
 //! cargo run --release -p etendue-realtime --example fit_ltc
@@ -71,7 +72,8 @@ impl Target {
         let mut add = |wi: Vec3A, value: f32, pdf: f32| {
             let d = ltc.density(wi);
             let difference = f64::from((value - d).abs());
-            let all = f64::from(pdf + d);
+            // Drawn from the whole of D, a part of which is below the horizon.
+            let all = f64::from(pdf + d / ltc.inv_above());
             if all > 0.0 {
                 sum += difference.powi(power) / all;
             }
@@ -154,7 +156,7 @@ fn main() -> std::io::Result<()> {
                             // A lobe about the normal is round.
                             (p[1], p[2], p[3]) = (p[0], 0.0, 0.0);
                         }
-                        target.error(shape(p), 3)
+                        target.error(shape(p), 1)
                     };
                     let first = least(error, start, 0.15);
                     let (mut p, _) = least(error, first.0, 0.03);

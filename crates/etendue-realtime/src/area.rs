@@ -61,9 +61,9 @@ fn lobe_filled(gloss: &Gloss, p: &Polygon, ltc: &LtcTable) -> f32 {
     // The frame whose x points away from the viewer.
     let len = (wo.x * wo.x + wo.y * wo.y).sqrt();
     let (x, y) = if len > 1e-6 { (-wo.x / len, -wo.y / len) } else { (1.0, 0.0) };
-    // What lies below the surface's horizon is hidden, also where the lobe's tail reaches there.
-    let turned = p.map(|v| transform.straighten(vec3a(v.x * x + v.y * y, v.y * x - v.x * y, v.z)));
-    turned.form_factor().z
+    let above = p.above();
+    let straight = above.map(|v| transform.straighten(vec3a(v.x * x + v.y * y, v.y * x - v.x * y, v.z)));
+    straight.form_factor().z * transform.inv_above()
 }
 
 /// The part of the light's radiance that the surface sends to the viewer; `None` if none.
@@ -94,7 +94,7 @@ pub(crate) fn patch(
         let d = table(&s.gloss);
         let reflectance = match &s.film {
             None => s.f0 * a * d.scale + b * (s.f90 * d.bias),
-            Some(_) => s.fresnel(wo.z, s.gloss.row.directional(wo.z).w) * a * d.energy(),
+            Some(_) => s.fresnel(wo.z, s.gloss.directional(wo).w) * a * d.energy(),
         };
         let filled = match choices.area {
             Area::Ltc => lobe_filled(&s.gloss, &p, ltc),

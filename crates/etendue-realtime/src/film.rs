@@ -1,9 +1,9 @@
 //! A thin film over the base: `KHR_materials_iridescence`.
 
 use crate::surface::unit;
-use etendue_bxdf::GltfParams;
 use etendue_bxdf::fresnel::schlick_weight;
 use etendue_bxdf::thin_film::{FilmBase, Lanes, ThinFilm};
+use etendue_bxdf::{GltfParams, Schlick};
 use etendue_color::Spectrum;
 
 /// The film with the two materials under it.
@@ -43,6 +43,22 @@ impl Film {
         let view = self.film.at(cos);
         let [dielectric, metal] = [0, 1].map(|i: usize| view.gltf(&self.bases[i]));
         plain.lerp(dielectric.lerp(metal, self.metallic), self.coverage)
+    }
+
+    /// The mean of [`Film::over`] over the hemisphere, weighted by the cosine: the four-point Gauss-Legendre rule.
+    #[inline]
+    pub fn average(&self, plain: &Schlick) -> Spectrum {
+        const NODES: [[f32; 2]; 4] = [
+            [0.069_431_84, 0.173_927_42],
+            [0.330_009_48, 0.326_072_58],
+            [0.669_990_52, 0.326_072_58],
+            [0.930_568_16, 0.173_927_42],
+        ];
+        let mut sum = Spectrum::ZERO;
+        for [cos, weight] in NODES {
+            sum += self.over(plain.eval(cos), cos) * (2.0 * cos * weight);
+        }
+        sum.map(unit)
     }
 
     /// What the dielectric reflects at an angle, by its largest lane.

@@ -4,8 +4,9 @@ use crate::choices::{Choices, Lobe, Masking, Specular};
 use crate::film::Film;
 use crate::sky_light::SkyLight;
 use crate::surface::unit;
-use etendue_bxdf::energy::Row;
+use etendue_bxdf::energy::{Albedo, Row};
 use etendue_bxdf::fresnel::schlick_weight;
+use etendue_bxdf::fresnel_average::{AnisotropicRules, Rule, Rules};
 use etendue_bxdf::ggx::ALPHA_DELTA;
 use etendue_bxdf::sampling::Frame;
 use etendue_bxdf::{Ggx, MIN_COS};
@@ -22,9 +23,10 @@ pub(crate) struct Gloss {
     pub ggx: Ggx,
     /// Too smooth for a lobe: a perfect mirror.
     pub mirror: bool,
-    /// Mean Fresnel terms and albedo by angle.
-    pub row: Row,
-    isotropic: bool,
+    /// Mean Fresnel terms and albedo by angle, of a lobe with one α.
+    row: Row,
+    /// The same of one with two.
+    stretched: Option<AnisotropicRules>,
 }
 
 /// The sky's light in a lobe. Weights are the lobe's without Fresnel's term, or with its two parts (1 − w) and w.
@@ -54,7 +56,42 @@ impl Gloss {
             ggx: Ggx::new(alpha[0], alpha[1]),
             mirror: !(alpha[0].max(alpha[1]) >= ALPHA_DELTA),
             row: Row::new(roughness),
-            isotropic,
+            stretched: (!isotropic).then(|| AnisotropicRules::new(alpha)),
+        }
+    }
+
+    /// True if it looks the same from all azimuths.
+    #[inline(always)]
+    pub fn is_isotropic(&self) -> bool {
+        self.stretched.is_none()
+    }
+
+    /// Albedo for F = 1 and mean Schlick weight of the facets seen from `w` (above).
+    #[inline(always)]
+    pub fn directional(&self, w: Vec3A) -> Albedo {
+        match &self.stretched {
+            None => self.row.directional(w.z),
+            Some(rules) => {
+                let (rule, e) = rules.directional(w);
+                let weighted = rule.cos.iter().zip(rule.weight).map(|(c, k)| schlick_weight(*c) * k);
+                Albedo { e, w: weighted.sum() }
+            }
+        }
+    }
+
+    /// The mean Schlick weight over the hemisphere, of a lobe with one α.
+    #[inline(always)]
+    pub fn average_weight(&self) -> f32 {
+        self.row.average().w
+    }
+
+    /// Angles that stand for the facets seen from `w`, and their weights.
+    #[inline]
+    pub fn rule(&self, w: Vec3A) -> Rule {
+        match &self.stretched {
+            _ if self.mirror => Rule::mirror(w.z),
+            None => Rules::new(self.roughness).directional(w.z),
+            Some(rules) => rules.directional(w).0,
         }
     }
 
@@ -148,13 +185,14 @@ impl Gloss {
         let total = white_straight + white_grazing;
         out.prefiltered *= over(total);
         out.mip *= over(total);
-        // The table knows lobes with one α only.
-        if self.isotropic {
-            let known = self.row.directional(self.wo.z);
-            out.straight *= known.e * (1.0 - known.w) * over(white_straight);
-            out.grazing *= known.e * known.w * over(white_grazing);
-            out.film *= known.e * over(total);
+        // The table of lobes with two α is coarser than the sum itself.
+        if !self.is_isotropic() {
+            return out;
         }
+        let known = self.directional(self.wo);
+        out.straight *= known.e * (1.0 - known.w) * over(white_straight);
+        out.grazing *= known.e * known.w * over(white_grazing);
+        out.film *= known.e * over(total);
         out
     }
 
@@ -167,11 +205,11 @@ impl Gloss {
             Lobe::Mirror => {
                 // Bent about the direction of anisotropy: the mirror at a normal that leans towards the viewer across the
                 // highlight's length (McAuley 2015, "Rendering the World of Far Cry 4").
-                let r = if self.isotropic { r } else { self.bent_mirror() };
+                let r = if self.is_isotropic() { r } else { self.bent_mirror() };
                 sky.prefiltered(to_world(frame, r), self.roughness)
             }
             Lobe::Dominant => {
-                let r = if self.isotropic { r } else { self.bent_mirror() };
+                let r = if self.is_isotropic() { r } else { self.bent_mirror() };
                 let smooth = unit(1.0 - alpha);
                 let towards_mirror = smooth * (smooth.sqrt() + alpha);
                 let d = r * towards_mirror + Vec3A::Z * (1.0 - towards_mirror);

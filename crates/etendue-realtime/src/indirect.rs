@@ -152,7 +152,7 @@ impl Place<'_> {
                     None => f0 * a * dfg.scale + b * (s.f90 * dfg.bias),
                     // A film's colours at the view's angle stand for those of all facets.
                     Some(_) => {
-                        let w = s.gloss.row.directional(cos).w;
+                        let w = s.gloss.directional(s.gloss.wo).w;
                         s.fresnel(cos, w) * a * dfg.energy()
                     }
                 };

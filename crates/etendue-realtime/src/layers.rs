@@ -44,6 +44,11 @@ impl Coat {
         Some(Self { coverage, row: Row::new(roughness), frame, gloss })
     }
 
+    /// True if its normal is not the base's.
+    pub fn is_tilted(&self) -> bool {
+        self.frame.is_some()
+    }
+
     #[inline]
     pub fn local(&self, w: Vec3A) -> Vec3A {
         self.frame.map_or(w, |f| f.to_local(w))

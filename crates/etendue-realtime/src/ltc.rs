@@ -9,6 +9,10 @@
 //!                |  0   0    1  |
 //! ```
 //!
+//! The surface's horizon cuts off a part of D that a real lobe does not have. Here D is zero below it and divided by the part above,
+//! which the transform keeps a cap of the cosine lobe: (1 + cos φ) / 2, φ the angle between Mᵀ z and z. (The paper leaves that part to
+//! the fit, which near grazing then must give up the lobe's form.)
+//!
 //! The paper tabulates M⁻¹; here the turn by θ is exact, and only what is left, smooth in roughness and angle, is tabulated: m11 / α,
 //! m22 / α, m13 / α and δ / α. The lobe's size is that of the albedo's table, so that energy is as everywhere else.
 //!
@@ -60,6 +64,8 @@ pub struct Ltc {
     m13: f32,
     /// Sine and cosine of θ + δ.
     turn: [f32; 2],
+    /// One over the part above the surface's horizon.
+    inv_above: f32,
 }
 
 impl Ltc {
@@ -67,12 +73,19 @@ impl Ltc {
     pub fn new(shape: Shape, alpha: f32, cos: f32) -> Self {
         let sin = ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt();
         let (s, c) = sin_cos_tau(shape.lean * alpha / TAU);
-        Self {
-            m11: (shape.m11 * alpha).max(1e-6),
-            m22: (shape.m22 * alpha).max(1e-6),
-            m13: shape.m13 * alpha,
-            turn: [sin * c + cos * s, cos * c - sin * s],
-        }
+        let turn = [sin * c + cos * s, cos * c - sin * s];
+        let (m11, m22, m13) =
+            ((shape.m11 * alpha).max(1e-6), (shape.m22 * alpha).max(1e-6), shape.m13 * alpha);
+        // The third row of M.
+        let (x, z) = (-turn[0] * m11, turn[1] - turn[0] * m13);
+        let above = 0.5 * (1.0 + z / (x * x + z * z).sqrt());
+        Self { m11, m22, m13, turn, inv_above: 1.0 / above.max(1e-3) }
+    }
+
+    /// What the part of a cosine lobe above the straightened horizon is multiplied with, so that the whole hemisphere gives 1.
+    #[inline]
+    pub fn inv_above(&self) -> f32 {
+        self.inv_above
     }
 
     /// M⁻¹ v, in the frame whose x points away from the viewer.
@@ -91,13 +104,16 @@ impl Ltc {
         vec3a(x * c + z * s, self.m22 * v.y, z * c - x * s)
     }
 
-    /// D at a unit direction, 1/sr; its integral over the sphere is 1.
+    /// D at a unit direction, 1/sr; its integral over the upper hemisphere is 1, below it is 0.
     #[inline]
     pub fn density(&self, l: Vec3A) -> f32 {
+        if !(l.z > 0.0) {
+            return 0.0;
+        }
         let straight = self.straighten(l);
         let len2 = straight.length_squared();
         // |∂l'/∂l| = |det M⁻¹| / |M⁻¹ l|³.
-        straight.z.max(0.0) * FRAC_1_PI / (self.m11 * self.m22 * len2 * len2)
+        straight.z.max(0.0) * FRAC_1_PI * self.inv_above / (self.m11 * self.m22 * len2 * len2)
     }
 }
 

@@ -41,7 +41,7 @@ impl Polygon {
     }
 
     /// The part above z = 0.
-    fn above(&self) -> Self {
+    pub fn above(&self) -> Self {
         let mut out = Self { corners: [Vec3A::ZERO; MOST], count: 0 };
         let mut push = |v: Vec3A| {
             if out.count < MOST {

@@ -16,7 +16,7 @@ use glam::Vec3A;
 ///
 /// `around` answers what a point cannot know by itself: whether a light is hidden, and what lies behind a transmissive surface; `()`
 /// knows nothing. Any input gives finite radiance that is not negative, except that [`crate::choices::Diffuse::Sh9`] may ring
-/// below zero.
+/// below zero, and Karis' and Lazarov's reflectances dip below it by some thousandths where F0 is next to nothing.
 pub fn shade<A: Around>(inputs: &Inputs, lighting: &Lighting, choices: &Choices, around: &A) -> Shaded {
     let s = Surface::new(inputs, choices);
     let mut out = Shaded { terms: Terms::default(), values: values(inputs, &s) };

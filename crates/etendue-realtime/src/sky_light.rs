@@ -103,6 +103,11 @@ impl SkyLight {
         (self.source.trilinear(d, lod), lod.max(0.0))
     }
 
+    /// The prefiltered cube of the split sum, a mip for each step of roughness.
+    pub fn specular_cube(&self) -> Option<&CubeLookup> {
+        self.prefiltered.as_ref().map(|p| &p.cube)
+    }
+
     /// The harmonics of radiance that the diffuse choice uses.
     pub fn sh(&self) -> &Sh9 {
         &self.sh

@@ -9,6 +9,7 @@ use crate::transmit::Passing;
 use crate::zonal::{Bands, quadrature_bands};
 use etendue_bxdf::fresnel::{f0_from_ior, schlick_weight};
 use etendue_bxdf::ggx::ALPHA_DELTA;
+use etendue_bxdf::math::sin_cos_tau;
 use etendue_bxdf::multiscatter::loss::MirrorLoss;
 use etendue_bxdf::{Fresnel, Schlick};
 use etendue_color::Spectrum;
@@ -63,9 +64,16 @@ pub(crate) fn unit(x: f32) -> f32 {
 }
 
 impl Bounces {
-    /// For a lobe of α along x and y, seen at `cos`, between F0 and F90.
+    /// For a lobe of α along x and y, seen at `cos`, with Fresnel's term between F0 and F90 and its mean over the hemisphere.
     #[inline]
-    fn new(alpha: [f32; 2], cos: f32, f0: Spectrum, f90: f32, choice: Compensation) -> Self {
+    fn new(
+        alpha: [f32; 2],
+        cos: f32,
+        f0: Spectrum,
+        f90: f32,
+        average: Spectrum,
+        choice: Compensation,
+    ) -> Self {
         // As `etendue_bxdf::multiscatter` does: one α that loses as much, and the part of its loss that may be given back.
         let [x, y] = alpha;
         let (alpha, share) = if x == y {
@@ -80,7 +88,6 @@ impl Bounces {
         if choice == Compensation::None || !(alpha >= ALPHA_DELTA) {
             return out;
         }
-        let average = Schlick { f0, f90: Spectrum::splat(f90) }.average();
         // As the reference: where less than a hundredth of what was lost would come back nothing is done.
         let most = average.max_element();
         if !(most * most > 0.01) {
@@ -130,6 +137,12 @@ impl Surface {
         let f90 = specular * dielectric + metallic;
         let under = [dielectric_f0.max_element(), specular];
         let gloss = Gloss::new(wo, alpha);
+        let film = Film::new(p, dielectric_f0, specular, base_color);
+        let schlick = Schlick { f0, f90: Spectrum::splat(f90) };
+        let (straight, average) = match &film {
+            None => (f0, schlick.average()),
+            Some(film) => (film.over(f0, 1.0), film.average(&schlick)),
+        };
         let passing = Passing::new(p, roughness, &gloss, inputs.front);
         let rest = dielectric * (1.0 - unit(p.transmission));
         let far = unit(p.diffuse_transmission);
@@ -147,24 +160,43 @@ impl Surface {
             entering: 1.0,
             bands: None,
             matte: [base_color * (rest * (1.0 - far)), far_color * (rest * far)],
-            bounces: Bounces::new(alpha, wo.z, f0, f90, choices.compensation),
-            film: Film::new(p, dielectric_f0, specular, base_color),
+            bounces: Bounces::new(alpha, wo.z, straight, f90, average, choices.compensation),
+            film,
             layers: outside.then(|| Layers::new(p, wo, least)).flatten(),
             passing,
         };
         if dielectric > 0.0 {
             s.entering = s.entering_at(wo);
-            let average = if s.film.is_some() || s.layers.is_some() {
-                let across = |cos: f32| vec3a((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
-                let bands = quadrature_bands(|cos| s.entering_at(across(cos)));
+            let plain = s.film.is_none() && s.layers.is_none() && gloss.is_isotropic();
+            let average = if plain {
+                1.0 - (under[0] + (under[1] - under[0]) * gloss.average_weight())
+            } else {
+                let bands = s.entering_bands();
                 s.bands = Some(bands);
                 bands[0] / PI
-            } else {
-                1.0 - (under[0] + (under[1] - under[0]) * gloss.row.average().w)
             };
             s.inv_entering_average = 1.0 / average.max(1e-6);
         }
         s
+    }
+
+    /// Bands of cosine × what reaches the diffuse part, averaged over azimuths where these matter: a tilted coat has no symmetry, an
+    /// anisotropic base repeats each quarter.
+    fn entering_bands(&self) -> Bands {
+        let tilted = self.layers.as_ref().and_then(|l| l.coat.as_ref()).is_some_and(|c| c.is_tilted());
+        let (count, range) = match (tilted, self.gloss.is_isotropic()) {
+            (true, _) => (8, 1.0),
+            (false, false) => (3, 0.25),
+            (false, true) => (1, 0.0),
+        };
+        quadrature_bands(|cos| {
+            let sin = (1.0 - cos * cos).max(0.0).sqrt();
+            let at = |i: u32| {
+                let (y, x) = sin_cos_tau((i as f32 + 0.5) / count as f32 * range);
+                self.entering_at(vec3a(sin * x, sin * y, cos))
+            };
+            (0..count).map(at).sum::<f32>() / count as f32
+        })
     }
 
     /// Fresnel's term at a half angle's cosine and Schlick's weight of it, without energy compensation.
@@ -190,17 +222,14 @@ impl Surface {
     /// What of the light from `w` (above) reaches the diffuse part, below base and layers.
     #[inline(always)]
     pub fn entering_at(&self, w: Vec3A) -> f32 {
-        let base = match &self.film {
-            None => self.through_schlick(w.z),
-            Some(film) => 1.0 - film.under(w.z),
+        let under = match &self.film {
+            None => self.under[0] + (self.under[1] - self.under[0]) * self.gloss.directional(w).w,
+            Some(film) => {
+                let rule = self.gloss.rule(w);
+                rule.cos.iter().zip(rule.weight).map(|(c, weight)| film.under(*c) * weight).sum()
+            }
         };
-        base.max(0.0) * self.layers.as_ref().map_or(1.0, |l| l.at(w)[1])
-    }
-
-    #[inline(always)]
-    fn through_schlick(&self, cos: f32) -> f32 {
-        let w = if self.gloss.mirror { schlick_weight(cos) } else { self.gloss.row.directional(cos).w };
-        1.0 - (self.under[0] + (self.under[1] - self.under[0]) * w)
+        (1.0 - under).max(0.0) * self.layers.as_ref().map_or(1.0, |l| l.at(w)[1])
     }
 
     /// What the layers let through of light from the viewer.
@@ -239,6 +268,6 @@ impl Surface {
 /// A and B of a lobe by the table.
 #[inline]
 pub(crate) fn table(gloss: &Gloss) -> Dfg {
-    let a = gloss.row.directional(gloss.wo.z);
+    let a = gloss.directional(gloss.wo);
     Dfg { scale: a.e * (1.0 - a.w), bias: a.e * a.w }
 }

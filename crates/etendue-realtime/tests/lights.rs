@@ -2,7 +2,7 @@
 
 use etendue_bxdf::laws::Rng;
 use etendue_bxdf::sampling::{Frame, uniform_sphere};
-use etendue_bxdf::{Bsdf, GltfParams, MetalRough};
+use etendue_bxdf::{Bsdf, GltfParams, MetalRough, multiscatter};
 use etendue_color::Spectrum;
 use etendue_realtime::choices::{Compensation, Coupling};
 use etendue_realtime::{Choices, Inputs, Lighting, shade};
@@ -41,10 +41,16 @@ fn random_point(rng: &mut Rng) -> Inputs {
 #[test]
 fn a_directional_light_is_the_closure_times_cosine() {
     let mut rng = Rng::new(5);
-    let choices = Choices { compensation: Compensation::None, ..Choices::default() };
     let mut compared = 0;
-    for _ in 0..2000 {
-        let point = random_point(&mut rng);
+    for i in 0..3000 {
+        let mut point = random_point(&mut rng);
+        let (realtime, reference) = [
+            (Compensation::None, multiscatter::Compensation::None),
+            (Compensation::KullaConty, multiscatter::Compensation::KullaConty),
+            (Compensation::Turquin, multiscatter::Compensation::Turquin),
+        ][i % 3];
+        let choices = Choices { compensation: realtime, ..Choices::default() };
+        point.surface.compensation = reference;
         let to = uniform_sphere(rng.square());
         let lighting = lit(LightKind::Directional, (-to).into(), Vec3::ZERO);
         let f = &point.frame;
@@ -65,7 +71,7 @@ fn a_directional_light_is_the_closure_times_cosine() {
             }
         }
     }
-    assert!(compared > 4000, "{compared}");
+    assert!(compared > 6000, "{compared}");
 }
 
 /// Point and spot lights as the extension's formulas have them.
