@@ -55,7 +55,7 @@ impl Target {
     }
 
     fn value(&self, wi: Vec3A) -> (f32, f32) {
-        if !(wi.z > MIN_COS) {
+        if wi.z <= MIN_COS {
             return (0.0, 0.0);
         }
         let pair = self.ggx.pair(self.wo, wi);

@@ -11,9 +11,8 @@ use etendue_image::{Image, Pixels};
 use etendue_realtime::{Inputs, Lighting, Preset, shade};
 use etendue_scene::{Environment, Light, LightKind, Scene};
 use glam::{Vec3, Vec3A};
+use std::f32::consts::PI;
 use std::sync::Arc;
-
-const PI: f32 = 3.14159265358979323846;
 
 fn d_distribution_ggx(n: Vec3, h: Vec3, roughness: f32) -> f32 {
     let a = roughness * roughness;
