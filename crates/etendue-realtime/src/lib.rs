@@ -60,8 +60,8 @@ pub mod shade;
 pub mod sky_light;
 mod surface;
 pub mod terms;
-pub mod twin;
 mod transmit;
+pub mod twin;
 pub mod zonal;
 
 pub use around::{Around, Behind, Toward};
