@@ -10,6 +10,7 @@ use etendue_color::{
 use exr::meta::attribute::EnvironmentMap;
 use exr::meta::header::Header;
 
+use crate::cube_strip::to_lat_long;
 use crate::decode::{DecodeLimits, decode, unknown_format};
 use crate::exr_read::{F as EXR, check_part, decode_rows, read_headers};
 use crate::hdr::{decode_hdr, is_hdr};
@@ -43,19 +44,20 @@ pub fn read_environment(path: &Path) -> Result<Environment, ImageError> {
 ///
 /// - Radiance: see the format's orientations, `EXPOSURE`, `COLORCORR` and XYZE, all honoured.
 /// - OpenEXR: the first flat part that has R, G, B or Y channels (those without a layer name first); data outside the display window are cut off,
-///   a smaller data window is surrounded by black; other `chromaticities` are converted to Rec.709.
+///   a smaller data window is surrounded by black; other `chromaticities` are converted to Rec.709. A cube map (`envmap` says so: six faces
+///   below one another) becomes a latitude-longitude picture four faces wide.
 /// - PNG, JPEG, WebP: taken as sRGB and decoded to linear light, which clips at 1.
 ///
 /// Then it is repaired: NaN becomes 0, a negative value 0, +∞ the largest finite value of the picture (65504 if it has none
 /// above 0).
 ///
 /// # Errors
-/// [`ImageError::UnknownFormat`], [`ImageError::Damaged`], [`ImageError::Unsupported`] (deep data, cube maps,
+/// [`ImageError::UnknownFormat`], [`ImageError::Damaged`], [`ImageError::Unsupported`] (deep data,
 /// subsampled luminance-chroma), [`ImageError::TooLarge`].
 pub fn decode_environment(bytes: &[u8], limits: &DecodeLimits) -> Result<Environment, ImageError> {
-    let (mut image, mut notes) = if is_hdr(bytes) {
+    let (mut image, mut notes, before) = if is_hdr(bytes) {
         let h = decode_hdr(bytes, limits)?;
-        (h.image, h.notes)
+        (h.image, h.notes, 0)
     } else if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
         decode_exr(bytes, limits)?
     } else {
@@ -65,12 +67,13 @@ pub fn decode_environment(bytes: &[u8], limits: &DecodeLimits) -> Result<Environ
             r => r?,
         };
         let note = "decoded from sRGB: its light ends at 1".to_string();
-        (linear_rgb(&image), vec![note])
+        (linear_rgb(&image), vec![note], 0)
     };
-    let repaired = match &mut image.pixels {
-        Pixels::F32(p) => repair(p),
-        _ => 0,
-    };
+    let repaired = before
+        + match &mut image.pixels {
+            Pixels::F32(p) => repair(p),
+            _ => 0,
+        };
     if repaired > 0 {
         notes.push(format!("{repaired} pixels were not finite or negative and were repaired"));
     }
@@ -149,7 +152,8 @@ fn pick_channels(header: &Header) -> Option<(Channels, String)> {
     None
 }
 
-fn decode_exr(bytes: &[u8], limits: &DecodeLimits) -> Result<(Image, Vec<String>), ImageError> {
+/// The picture, notes, and pixels that were repaired already.
+fn decode_exr(bytes: &[u8], limits: &DecodeLimits) -> Result<(Image, Vec<String>, u64), ImageError> {
     let meta = read_headers(bytes)?;
     let flat = |h: &&Header| !h.deep;
     // A part with plain R, G, B comes before one whose colours belong to some named layer.
@@ -167,9 +171,6 @@ fn decode_exr(bytes: &[u8], limits: &DecodeLimits) -> Result<(Image, Vec<String>
         return Err(ImageError::unsupported(EXR, "no channels R, G, B or Y"));
     };
     let header = &meta.headers[part];
-    if header.own_attributes.environment_map == Some(EnvironmentMap::Cube) {
-        return Err(ImageError::unsupported(EXR, "a cube-map environment (latitude-longitude is read)"));
-    }
     check_part(header, bytes, limits)?;
 
     let display = header.shared_attributes.display_window;
@@ -182,6 +183,16 @@ fn decode_exr(bytes: &[u8], limits: &DecodeLimits) -> Result<(Image, Vec<String>
     if pixels > data_pixels.saturating_mul(64).max(1 << 22) {
         let cause = format!("the display window is far larger than the data window of {}", pair(header));
         return Err(ImageError::TooLarge { format: EXR, width: size.0, height: size.1, cause });
+    }
+
+    let cube = header.own_attributes.environment_map == Some(EnvironmentMap::Cube);
+    if cube {
+        if height != width.saturating_mul(6) {
+            let cause = format!("a cube map of {width} × {height} pixels: six square faces below one another are wanted");
+            return Err(ImageError::damaged(EXR, cause));
+        }
+        let (w, h) = (4 * size.0, 2 * size.0);
+        limits.check(EXR, (w, h), w.saturating_mul(h).saturating_mul(12), usize::MAX, 1)?;
     }
 
     let mut notes = Vec::new();
@@ -232,8 +243,14 @@ fn decode_exr(bytes: &[u8], limits: &DecodeLimits) -> Result<(Image, Vec<String>
             (0..3).for_each(|i| c[i] = v[i] as f32);
         }
     }
+    if cube {
+        notes.push(format!("a cube map of {width} × {width} pixels, made into {} × {}", 4 * width, 2 * width));
+        // Before the faces are mixed, so that a bad pixel spoils none but itself.
+        let repaired = repair(&mut out);
+        return Ok((to_lat_long(&out, width), notes, repaired));
+    }
     let image = Image { width: width as u32, height: height as u32, channels: 3, pixels: Pixels::F32(out) };
-    Ok((image, notes))
+    Ok((image, notes, 0))
 }
 
 fn pair(h: &Header) -> String {

@@ -10,7 +10,7 @@ use exr::block::reader::ChunksReader;
 use exr::block::{self, UncompressedBlock};
 use exr::compression::Compression;
 use exr::error::Error as ExrError;
-use exr::meta::attribute::{AttributeValue, SampleType};
+use exr::meta::attribute::{AttributeValue, EnvironmentMap, SampleType};
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData};
 use half::f16;
@@ -296,6 +296,10 @@ fn metadata(h: &Header) -> Metadata {
         if let Some(v) = value {
             m.set(name, v.to_string());
         }
+    }
+    if let Some(layout) = own.environment_map {
+        let cube = layout == EnvironmentMap::Cube;
+        m.set("envmap", if cube { "cube" } else { "latlong" });
     }
     let mut other: Vec<(String, String)> = own
         .other

@@ -75,7 +75,8 @@ impl Layer {
 ///
 /// Channels are named `layer.channel`, as compositing programs expect: `R`, `G`, `B`, `A` for the layer with the empty
 /// name, `albedo.R`, `normal.X`, `depth.Z`, and for Cryptomatte `CryptoObject00.R` with its manifest given as metadata
-/// entries (`cryptomatte/<id>/name`, …). Each metadata entry becomes a text attribute. Colours are linear Rec.709
+/// entries (`cryptomatte/<id>/name`, …). Each metadata entry becomes a text attribute, but for `envmap` with the value `latlong` or `cube`, which becomes the
+/// format's own attribute: the picture shows all directions, as latitude and longitude or as six faces below one another. Colours are linear Rec.709
 /// (a `chromaticities` attribute says so), alpha is premultiplied. Compression is ZIP over 16 rows. The bytes do not depend on the
 /// number of threads.
 ///
@@ -121,12 +122,13 @@ impl ExrFile {
 const ROWS: usize = 16;
 
 /// The attributes that this writer sets itself: entries of these names are stored under another.
-const OWN: [&str; 10] = [
+const OWN: [&str; 11] = [
     "channels",
     "chromaticities",
     "compression",
     "dataWindow",
     "displayWindow",
+    "envmap",
     "lineOrder",
     "pixelAspectRatio",
     "screenWindowCenter",
@@ -215,12 +217,18 @@ fn header(
     attributes.push(("compression".into(), "compression", vec![3])); // ZIP, 16 rows
     attributes.push(("dataWindow".into(), "box2i", window.clone()));
     attributes.push(("displayWindow".into(), "box2i", window));
+    match metadata.get("envmap") {
+        Some("latlong") => attributes.push(("envmap".into(), "envmap", vec![0])),
+        Some("cube") => attributes.push(("envmap".into(), "envmap", vec![1])),
+        _ => {}
+    }
     attributes.push(("lineOrder".into(), "lineOrder", vec![0])); // increasing y
     attributes.push(("pixelAspectRatio".into(), "float", floats(&[1.0])));
     attributes.push(("screenWindowCenter".into(), "v2f", floats(&[0.0, 0.0])));
     attributes.push(("screenWindowWidth".into(), "float", floats(&[1.0])));
 
-    for (name, value) in &metadata.entries {
+    let layout = |(name, value): &&(String, String)| name == "envmap" && matches!(&**value, "latlong" | "cube");
+    for (name, value) in metadata.entries.iter().filter(|e| !layout(e)) {
         // Names end with a zero byte; a name of ours would be taken for the real attribute.
         let mut name: String = name.chars().filter(|&c| c != '\0').collect();
         if name.is_empty() || OWN.contains(&name.as_str()) || attributes.iter().any(|a| a.0 == name) {

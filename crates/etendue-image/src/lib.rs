@@ -11,6 +11,7 @@
 
 mod atomic;
 mod buffer;
+mod cube_strip;
 mod decode;
 mod develop;
 mod environment;

@@ -319,3 +319,42 @@ fn a_sky_in_exr_is_repaired() {
         [0.0, floats(&picture)[1], floats(&picture)[2], floats(&picture)[3], largest, 0.0]
     );
 }
+
+/// A strip of six faces with the attribute is a sky: each face's light comes from where OpenEXR says that it stands.
+#[test]
+fn cube_strips_are_skies() {
+    let n = 8u32;
+    let pixels = (0..6 * n * n).flat_map(|i| [(i / (n * n)) as f32, (i % n) as f32, (i / n % n) as f32]).collect();
+    let strip = Image { width: n, height: 6 * n, channels: 3, pixels: Pixels::F32(pixels) };
+    let mut metadata = Metadata::default();
+    metadata.set("envmap", "cube");
+    let options = WriteOptions { half: false, metadata, ..Default::default() };
+    let mut file = Vec::new();
+    encode_picture(&mut file, PictureFormat::Exr, &strip, &options).unwrap();
+    let layers = read_exr_layers(&file, &DecodeLimits::default()).unwrap();
+    assert_eq!(layers.metadata.get("envmap"), Some("cube"));
+
+    let sky = decode_environment(&file, &DecodeLimits::default()).unwrap();
+    assert_eq!((sky.image.width, sky.image.height, sky.repaired), (4 * n, 2 * n, 0));
+    assert!(sky.notes.iter().any(|n| n.contains("cube map")), "{:?}", sky.notes);
+    // +X in the middle, +Z a quarter to the right, −Z to the left, −X at the seam; +Y above, −Y below.
+    for (x, y, face) in [(16, 8, 0.0), (0, 8, 1.0), (24, 8, 4.0), (8, 8, 5.0), (5, 0, 2.0), (5, 15, 3.0)] {
+        assert_eq!(sky.image.sample(x, y, 0), face, "({x}, {y})");
+    }
+    // On +X columns go towards +Z (to the right), rows down.
+    let column = |x| sky.image.sample(x, 8, 1);
+    assert!(column(18) > column(15) && sky.image.sample(16, 10, 2) > sky.image.sample(16, 6, 2));
+
+    // Any other shape is none, and a value that the attribute cannot have is a text.
+    let wide = Image { width: 12, height: 32, ..strip };
+    let mut file = Vec::new();
+    encode_picture(&mut file, PictureFormat::Exr, &wide, &options).unwrap();
+    let e = decode_environment(&file, &DecodeLimits::default()).unwrap_err().to_string();
+    assert!(e.contains("12 × 32") && e.contains("six square faces"), "{e}");
+    let mut metadata = Metadata::default();
+    metadata.set("envmap", "octahedron");
+    let mut file = Vec::new();
+    encode_picture(&mut file, PictureFormat::Exr, &wide, &WriteOptions { metadata, ..options }).unwrap();
+    let layers = read_exr_layers(&file, &DecodeLimits::default()).unwrap();
+    assert_eq!(layers.metadata.get("meta/envmap"), Some("octahedron"));
+}

@@ -3,7 +3,8 @@
 use super::CliError;
 use super::bake_args::{BakeArgs, CubeFormat};
 use super::output::unwritten;
-use crate::ibl::{Baked, CubeMap, TexelFormat, dds, faces, ktx2};
+use crate::ibl::faces::{self, Turn};
+use crate::ibl::{Baked, CubeMap, TexelFormat, dds, ktx2};
 use crate::image::{Image, Metadata, PictureFormat, WriteOptions, encode_picture, write_atomic};
 use std::path::{Path, PathBuf};
 
@@ -50,8 +51,14 @@ pub(crate) fn cube_files(
             } else {
                 path.with_file_name(format!("{stem}-mip{mip}.{extension}"))
             };
-            let options = WriteOptions { metadata: metadata.clone(), ..Default::default() };
-            encoded(&name, format, &faces::strip(cube, mip), &options)
+            let mut options = WriteOptions { metadata: metadata.clone(), ..Default::default() };
+            let turn = if format == PictureFormat::Exr {
+                options.metadata.set("envmap", "cube");
+                Turn::OpenExr
+            } else {
+                Turn::Texture
+            };
+            encoded(&name, format, &faces::strip(cube, mip, turn), &options)
         })
         .collect()
 }
