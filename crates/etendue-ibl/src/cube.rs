@@ -10,6 +10,7 @@
 //! Directions are the house's (right-handed, +Y up): a shader that looks the cube up with a world direction of a glTF
 //! scene gets the light from there. Seen as pictures the faces are therefore mirrored, which is the convention's doing.
 
+use crate::sh::Sh9;
 use etendue_color::Spectrum;
 use glam::{Vec3A, vec3a};
 use rayon::prelude::*;
@@ -146,6 +147,18 @@ impl CubeMap {
             fine = n;
         }
         self
+    }
+
+    /// The largest mip's radiance as harmonics: each texel's radiance times its solid angle times the harmonics in its middle, which differ from their
+    /// means over the texel by terms of the order of 1/size².
+    pub fn project(&self) -> Sh9 {
+        let n = self.size;
+        let weights: Vec<f64> = (0..n * n).map(|i| texel_solid_angle(i % n, i / n, n)).collect();
+        Sh9::from_samples(self.mips[0].iter().enumerate().map(|(i, l)| {
+            let (face, i) = ((i as u32 / (n * n)) as usize, i as u32 % (n * n));
+            let d = face_direction(face, texel_centre(i % n, n), texel_centre(i / n, n)).normalize();
+            (d.into(), *l, weights[i as usize])
+        }))
     }
 
     /// The mean of a mip over the sphere, by exact solid angles: radiance in, radiance out.

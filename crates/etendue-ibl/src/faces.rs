@@ -37,7 +37,9 @@ mod tests {
     use super::*;
     use crate::{SkyMap, to_cube};
     use etendue_color::Spectrum;
-    use etendue_image::{DecodeLimits, Metadata, PictureFormat, WriteOptions, decode_environment, encode_picture};
+    use etendue_image::{
+        DecodeLimits, Metadata, PictureFormat, WriteOptions, decode_environment, encode_picture,
+    };
     use etendue_scene::Environment;
     use glam::Vec3A;
     use std::sync::Arc;

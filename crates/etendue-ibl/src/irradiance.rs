@@ -1,6 +1,6 @@
 //! Irradiance by cosine convolution: exactly, for a direction or into a cube.
 
-use crate::cube::CubeMap;
+use crate::cube::{CubeMap, face_direction, texel_centre, texel_solid_angle};
 use crate::sky::SkyMap;
 use etendue_color::Spectrum;
 use glam::Vec3;
@@ -56,6 +56,28 @@ impl ExactIrradiance {
             })
             .collect();
         Self { cells }
+    }
+
+    /// Of a cube's largest mip, brought to 64² texels per face at most by taking means: a texel's first moment is its radiance times its solid
+    /// angle along its middle.
+    pub fn of_cube(cube: &CubeMap) -> Self {
+        let reduced;
+        let cube = if cube.size() > 64 {
+            reduced = cube.clone().with_mips();
+            &reduced
+        } else {
+            cube
+        };
+        let mip = (0..cube.mip_count()).find(|m| cube.mip_size(*m) <= 64).unwrap_or(cube.mip_count() - 1);
+        let n = cube.mip_size(mip);
+        let cells = cube.mip(mip).iter().enumerate().map(|(i, l)| {
+            let (face, i) = ((i as u32 / (n * n)) as usize, i as u32 % (n * n));
+            let (x, y) = (i % n, i / n);
+            let d = face_direction(face, texel_centre(x, n), texel_centre(y, n)).normalize();
+            let l = *l * texel_solid_angle(x, y, n) as f32;
+            [l * d.x, l * d.y, l * d.z]
+        });
+        Self { cells: cells.collect() }
     }
 
     /// Irradiance on a surface of unit normal `n`: ∫ L max(0, n·ω) dω.

@@ -13,6 +13,7 @@
 //! | [`unity`] | the seven vectors that Unity's `ShadeSH9` reads |
 //! | [`irradiance`] | irradiance as a cube, and exactly |
 //! | [`probe_grid`] | spherical harmonics at the points of a grid, and what lies between |
+//! | [`probe_file`] | such grids in files |
 //! | [`cube`] | cube maps with mips: faces, texels, solid angles |
 //! | [`cube_lookup`] | cube maps without seams: bilinear and trilinear lookup |
 //! | [`resample`] | latitude-longitude pictures into cubes |
@@ -56,6 +57,7 @@ pub mod local;
 pub mod manifest;
 pub mod mip_mapping;
 pub mod prefilter;
+pub mod probe_file;
 pub mod probe_grid;
 pub mod resample;
 pub mod sh;
@@ -64,7 +66,7 @@ pub mod sky;
 pub mod texel_format;
 pub mod unity;
 
-pub use bake::{BakeOptions, Baked, bake};
+pub use bake::{BakeOptions, Baked, bake, bake_cube};
 pub use cube::{CubeMap, FACES};
 pub use cube_lookup::CubeLookup;
 pub use dfg::{Dfg, DfgLayout, DfgMethod, DfgTable};
@@ -72,6 +74,7 @@ pub use irradiance::ExactIrradiance;
 pub use local::{Probe, ProbeBox};
 pub use mip_mapping::MipMapping;
 pub use prefilter::{ExactPrefilter, Kernel, PrefilterOptions, prefilter};
+pub use probe_file::{BadProbes, ProbeFile};
 pub use probe_grid::ProbeGrid;
 pub use resample::to_cube;
 pub use sh::Sh9;

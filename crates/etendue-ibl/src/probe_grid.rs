@@ -21,9 +21,12 @@ use glam::Vec3;
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProbeGrid {
     min: Vec3,
+    max: Vec3,
     step: Vec3,
     counts: [u32; 3],
     probes: Vec<Sh9>,
+    /// Probes that lookups leave out; empty if there are none.
+    hidden: Vec<bool>,
 }
 
 impl ProbeGrid {
@@ -40,22 +43,66 @@ impl ProbeGrid {
         counts: [u32; 3],
         mut at: impl FnMut(Vec3) -> C,
     ) -> Option<Self> {
+        let mut grid = Self::places(min, max, counts)?;
+        let probes = (0..grid.len()).map(|i| at(grid.position(grid.index(i))).into()).collect();
+        grid.probes = probes;
+        Some(grid)
+    }
+
+    /// A grid of probes that are there already, x fastest, then y, then z; `hidden` says for each whether lookups leave it out (it stands inside of
+    /// something), and may be empty. `None` as in [`ProbeGrid::bake`], or if the lengths do not fit.
+    pub fn from_probes(
+        min: Vec3,
+        max: Vec3,
+        counts: [u32; 3],
+        probes: Vec<Sh9>,
+        hidden: Vec<bool>,
+    ) -> Option<Self> {
+        let grid = Self::places(min, max, counts)?;
+        let fits = probes.len() == grid.len() && (hidden.is_empty() || hidden.len() == grid.len());
+        fits.then_some(Self { probes, hidden, ..grid })
+    }
+
+    /// Places without probes.
+    fn places(min: Vec3, max: Vec3, counts: [u32; 3]) -> Option<Self> {
         let total: u64 = counts.iter().try_fold(1u64, |n, c| n.checked_mul(u64::from(*c)))?;
         if total == 0 || total > Self::MOST || !min.is_finite() || !max.is_finite() || !min.cmple(max).all() {
             return None;
         }
         let spans = Vec3::from(counts.map(|c| (c - 1).max(1) as f32));
-        let mut grid =
-            Self { min, step: (max - min) / spans, counts, probes: Vec::with_capacity(total as usize) };
-        for z in 0..counts[2] {
-            for y in 0..counts[1] {
-                for x in 0..counts[0] {
-                    let p = grid.position([x, y, z]);
-                    grid.probes.push(at(p).into());
-                }
-            }
-        }
-        Some(grid)
+        let step = (max - min) / spans;
+        step.is_finite().then_some(Self { min, max, step, counts, probes: Vec::new(), hidden: Vec::new() })
+    }
+
+    fn index(&self, i: usize) -> [u32; 3] {
+        let [nx, ny, _] = self.counts.map(|c| c as usize);
+        [i % nx, i / nx % ny, i / (nx * ny)].map(|k| k as u32)
+    }
+
+    /// Number of points, at least 1.
+    #[allow(clippy::len_without_is_empty)]
+    pub fn len(&self) -> usize {
+        self.counts.iter().map(|c| *c as usize).product()
+    }
+
+    /// The probes in order, x fastest, then y, then z.
+    pub fn probes(&self) -> &[Sh9] {
+        &self.probes
+    }
+
+    /// True if lookups leave the probe at a point out; indices beyond the last are the last.
+    pub fn is_hidden(&self, index: [u32; 3]) -> bool {
+        self.hidden.get(self.at(index)).copied().unwrap_or(false)
+    }
+
+    /// The first and the last point, as they were given.
+    pub fn corners(&self) -> [Vec3; 2] {
+        [self.min, self.max]
+    }
+
+    fn at(&self, index: [u32; 3]) -> usize {
+        let [x, y, z]: [u32; 3] = std::array::from_fn(|k| index[k].min(self.counts[k] - 1));
+        ((z as usize * self.counts[1] as usize) + y as usize) * self.counts[0] as usize + x as usize
     }
 
     /// Points along x, y, z.
@@ -70,8 +117,21 @@ impl ProbeGrid {
 
     /// The probe at a point; indices beyond the last are the last.
     pub fn probe(&self, index: [u32; 3]) -> &Sh9 {
-        let [x, y, z]: [u32; 3] = std::array::from_fn(|k| index[k].min(self.counts[k] - 1));
-        &self.probes[((z * self.counts[1] + y) * self.counts[0] + x) as usize]
+        &self.probes[self.at(index)]
+    }
+
+    /// The mixture of some probes: hidden ones are left out and the others' weights raised to make up for them, unless all are hidden.
+    fn mix(&self, parts: &[([u32; 3], f32)]) -> Sh9 {
+        let seen: f32 = parts.iter().filter(|p| !self.is_hidden(p.0)).map(|p| p.1).sum();
+        let mut out = Sh9::ZERO;
+        for (index, weight) in parts {
+            if seen > 0.0 && self.is_hidden(*index) || *weight == 0.0 {
+                continue;
+            }
+            let weight = if seen > 0.0 && !self.hidden.is_empty() { weight / seen } else { *weight };
+            add(&mut out, self.probe(*index), weight);
+        }
+        out
     }
 
     /// The lower corner of the cell that holds `p`, and the place in it, 0..1; places outside, and NaN, are brought to the nearest.
@@ -88,21 +148,19 @@ impl ProbeGrid {
         (index, fraction)
     }
 
-    /// The mixture of the eight probes about `p`, by trilinear weights.
+    /// The mixture of the eight probes about `p`, by trilinear weights. Hidden ones do not count.
     pub fn trilinear(&self, p: Vec3) -> Sh9 {
         let (i, f) = self.cell(p);
-        let mut out = Sh9::ZERO;
-        for corner in 0..8u32 {
-            let bit = |k: usize| corner >> k & 1;
+        let parts: [_; 8] = std::array::from_fn(|corner| {
+            let bit = |k: usize| (corner >> k & 1) as u32;
             let weight: f32 = (0..3).map(|k| if bit(k) == 1 { f[k] } else { 1.0 - f[k] }).product();
-            if weight > 0.0 {
-                add(&mut out, self.probe(std::array::from_fn(|k| i[k] + bit(k))), weight);
-            }
-        }
-        out
+            (std::array::from_fn(|k| i[k] + bit(k)), weight)
+        });
+        self.mix(&parts)
     }
 
-    /// The mixture of the four probes of the tetrahedron that holds `p`: half the reads of the trilinear one, continuous too.
+    /// The mixture of the four probes of the tetrahedron that holds `p`: half the reads of the trilinear one, continuous too. Hidden ones do not
+    /// count.
     ///
     /// A cell is cut into six tetrahedra that share its diagonal (Kuhn 1960); which one holds `p` is the order of its coordinates, and
     /// the weights are their differences.
@@ -111,14 +169,13 @@ impl ProbeGrid {
         let mut order = [0usize, 1, 2];
         order.sort_by(|a, b| f[*b].total_cmp(&f[*a]));
         let mut corner = i;
-        let mut out = Sh9::ZERO;
-        add(&mut out, self.probe(corner), 1.0 - f[order[0]]);
+        let mut parts = [(corner, 1.0 - f[order[0]]); 4];
         for k in 0..3 {
             corner[order[k]] += 1;
             let below = if k < 2 { f[order[k + 1]] } else { 0.0 };
-            add(&mut out, self.probe(corner), f[order[k]] - below);
+            parts[k + 1] = (corner, f[order[k]] - below);
         }
-        out
+        self.mix(&parts)
     }
 }
 
@@ -187,6 +244,25 @@ mod tests {
                 assert!(d.abs() < 5e-3, "{p} {q}: {d}");
             }
         }
+    }
+
+    /// Between a hidden probe and a seen one only the seen one counts; where all are hidden, they are mixed as ever.
+    #[test]
+    fn hidden_probes_do_not_count() {
+        let probes: Vec<Sh9> = [9.0, 1.0, 2.0].map(|v| coefficients(v).into()).to_vec();
+        let end = Vec3::new(2.0, 0.0, 0.0);
+        let grid =
+            |hidden: Vec<bool>| ProbeGrid::from_probes(Vec3::ZERO, end, [3, 1, 1], probes.clone(), hidden);
+        let g = grid(vec![true, false, false]).unwrap();
+        for (x, want) in [(0.0, 9.0), (0.25, 1.0), (0.9, 1.0), (1.5, 1.5)] {
+            for sh in [g.trilinear(Vec3::X * x), g.tetrahedral(Vec3::X * x)] {
+                assert!((sh.0[8][0] - 4.0 * want).abs() < 1e-5, "{x}: {}", sh.0[8][0] / 4.0);
+            }
+        }
+        assert!(g.is_hidden([0, 0, 0]) && !g.is_hidden([1, 0, 0]));
+        let dark = grid(vec![true; 3]).unwrap();
+        assert!((dark.trilinear(Vec3::X * 0.5).0[8][0] - 20.0).abs() < 1e-5);
+        assert!(grid(vec![true]).is_none());
     }
 
     #[test]

@@ -188,7 +188,9 @@ fn decode_exr(bytes: &[u8], limits: &DecodeLimits) -> Result<(Image, Vec<String>
     let cube = header.own_attributes.environment_map == Some(EnvironmentMap::Cube);
     if cube {
         if height != width.saturating_mul(6) {
-            let cause = format!("a cube map of {width} × {height} pixels: six square faces below one another are wanted");
+            let cause = format!(
+                "a cube map of {width} × {height} pixels: six square faces below one another are wanted"
+            );
             return Err(ImageError::damaged(EXR, cause));
         }
         let (w, h) = (4 * size.0, 2 * size.0);
@@ -244,7 +246,11 @@ fn decode_exr(bytes: &[u8], limits: &DecodeLimits) -> Result<(Image, Vec<String>
         }
     }
     if cube {
-        notes.push(format!("a cube map of {width} × {width} pixels, made into {} × {}", 4 * width, 2 * width));
+        notes.push(format!(
+            "a cube map of {width} × {width} pixels, made into {} × {}",
+            4 * width,
+            2 * width
+        ));
         // Before the faces are mixed, so that a bad pixel spoils none but itself.
         let repaired = repair(&mut out);
         return Ok((to_lat_long(&out, width), notes, repaired));

@@ -227,7 +227,8 @@ fn header(
     attributes.push(("screenWindowCenter".into(), "v2f", floats(&[0.0, 0.0])));
     attributes.push(("screenWindowWidth".into(), "float", floats(&[1.0])));
 
-    let layout = |(name, value): &&(String, String)| name == "envmap" && matches!(&**value, "latlong" | "cube");
+    let layout =
+        |(name, value): &&(String, String)| name == "envmap" && matches!(&**value, "latlong" | "cube");
     for (name, value) in metadata.entries.iter().filter(|e| !layout(e)) {
         // Names end with a zero byte; a name of ours would be taken for the real attribute.
         let mut name: String = name.chars().filter(|&c| c != '\0').collect();

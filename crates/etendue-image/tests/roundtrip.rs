@@ -324,7 +324,8 @@ fn a_sky_in_exr_is_repaired() {
 #[test]
 fn cube_strips_are_skies() {
     let n = 8u32;
-    let pixels = (0..6 * n * n).flat_map(|i| [(i / (n * n)) as f32, (i % n) as f32, (i / n % n) as f32]).collect();
+    let pixels =
+        (0..6 * n * n).flat_map(|i| [(i / (n * n)) as f32, (i % n) as f32, (i / n % n) as f32]).collect();
     let strip = Image { width: n, height: 6 * n, channels: 3, pixels: Pixels::F32(pixels) };
     let mut metadata = Metadata::default();
     metadata.set("envmap", "cube");

@@ -30,3 +30,4 @@ pub use etendue_trace as trace;
 
 pub mod builtin;
 pub mod cli;
+pub mod probe;

@@ -1,11 +1,14 @@
-//! `etendue bake`: a sky into what real-time shading looks up.
+//! `etendue bake`: a sky, or the light at places of a scene, into what real-time shading looks up.
 
 use super::bake_args::{BakeArgs, CubeFormat};
 use super::bake_files::{self, File, cube_files, picture};
+use super::bake_probe::{light_probes, reflection_probe};
 use super::{CliError, load, note_line, say, target};
-use crate::ibl::manifest::{CubeEntry, DfgEntry, FRAME, GENERATOR, Manifest, ShEntry};
+use crate::ibl::manifest::{
+    CubeEntry, DfgEntry, FACES_AS_OPENEXR, FACES_AS_TEXTURES, FRAME, GENERATOR, Manifest, ProbeEntry, ShEntry,
+};
 use crate::ibl::{
-    BakeOptions, Baked, DfgLayout, DfgMethod, DfgTable, MipMapping, PrefilterOptions, SkyMap, bake,
+    BakeOptions, Baked, DfgLayout, DfgMethod, DfgTable, MipMapping, PrefilterOptions, SkyMap, bake, bake_cube,
 };
 use crate::image::{Image, PictureFormat, Pixels};
 use crate::scene::Environment;
@@ -21,6 +24,8 @@ enum Goal {
     Cube(CubeFormat),
     /// The table, into a picture.
     Table(PictureFormat),
+    /// Light probes, into a JSON file.
+    Probes,
 }
 
 pub(crate) fn run(args: &BakeArgs) -> Result<(), CliError> {
@@ -44,7 +49,8 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), CliError> {
             let file = picture(&args.output, format, &table_image(args, &table))?;
             (vec![file], serde_json::json!({ "dfg": { "size": table.size() } }))
         }
-        Goal::Folder(format) | Goal::Cube(format) => sky(args, format, folder)?,
+        Goal::Probes => light_probes(args)?,
+        Goal::Folder(format) | Goal::Cube(format) => cubes(args, format, folder)?,
     };
     let seconds = start.elapsed().as_secs_f64();
     let names: Vec<String> = files.iter().map(|f| f.path.to_string_lossy().into_owned()).collect();
@@ -88,6 +94,15 @@ fn goal(args: &BakeArgs) -> Result<Goal, CliError> {
             ))),
         };
     }
+    if args.probes.is_some() {
+        return match extension.as_deref() {
+            Some("json") => Ok(Goal::Probes),
+            _ => Err(CliError::Usage(format!(
+                "light probes are written as .json; {} is something else",
+                path.display()
+            ))),
+        };
+    }
     let slash = path.to_string_lossy().ends_with(['/', '\\']);
     if path.is_dir() || slash || extension.is_none() {
         return Ok(Goal::Folder(args.format.unwrap_or(CubeFormat::Ktx2)));
@@ -101,28 +116,36 @@ fn goal(args: &BakeArgs) -> Result<Goal, CliError> {
     }
 }
 
-/// Bakes the sky; the files, and the report.
-fn sky(
+/// What was baked: its sky's name, what was noted, and where it was taken if it is a probe.
+struct Source {
+    sky: String,
+    notes: Vec<String>,
+    probe: Option<ProbeEntry>,
+}
+
+/// Bakes the sky or the probe; the files, and the report.
+fn cubes(
     args: &BakeArgs,
     format: CubeFormat,
     folder: bool,
 ) -> Result<(Vec<File>, serde_json::Value), CliError> {
-    let name = args.sky.as_deref().unwrap_or("studio");
-    let (environment, mut notes) = load::sky(name, args.env_rotation, args.env_intensity)?;
-    let map = SkyMap::new(&environment).map_err(|e| CliError::Other(format!("{name}: {e}")))?;
-    notes.extend(remarks(name, &environment, &map));
-    if !args.quiet {
-        notes.iter().for_each(|n| note_line(&format!("warning: {n}")));
-    }
     let options = options(args);
-    let bar = bar(!args.quiet);
-    let baked = bake(&map, &options, &|f| bar.set_position((f * 1000.0) as u64));
-    bar.finish_and_clear();
-
-    let metadata = bake_files::metadata(name, &baked, args);
+    let (source, baked) = match &args.probe {
+        Some(model) => {
+            let (entry, cube, sky, notes) = reflection_probe(args, model)?;
+            let bar = bar(!args.quiet);
+            let baked = bake_cube(&cube, &options, &|f| bar.set_position((f * 1000.0) as u64));
+            bar.finish_and_clear();
+            (Source { sky, notes, probe: Some(entry) }, baked)
+        }
+        None => sky(args, &options)?,
+    };
+    let metadata = bake_files::metadata(&source.sky, source.probe.as_ref(), &baked, args);
     if !folder {
         let files = cube_files(&args.output, format, args.encoding, &baked.specular, &metadata)?;
-        let report = serde_json::json!({ "sky": name, "notes": notes, "roughness": baked.roughness });
+        let report = serde_json::json!({
+            "sky": source.sky, "notes": source.notes, "probe": source.probe, "roughness": baked.roughness
+        });
         return Ok((files, report));
     }
     let extension = format.extension();
@@ -134,7 +157,7 @@ fn sky(
     let table = table(args);
     let dfg = picture(&in_folder("dfg", "exr"), PictureFormat::Exr, &table_image(args, &table))?;
     let manifest =
-        manifest(args, format, name, notes, &baked, [&specular, &irradiance, std::slice::from_ref(&dfg)]);
+        manifest(args, format, source, &baked, [&specular, &irradiance, std::slice::from_ref(&dfg)]);
     let json = serde_json::to_string_pretty(&manifest).map_err(|e| CliError::Other(e.to_string()))?;
     let report = serde_json::to_value(&manifest).map_err(|e| CliError::Other(e.to_string()))?;
     let mut files = specular;
@@ -143,6 +166,21 @@ fn sky(
     // Last, so that whoever sees it sees the others.
     files.push(File { path: args.output.join(MANIFEST), bytes: (json + "\n").into_bytes() });
     Ok((files, report))
+}
+
+/// Reads and bakes the sky.
+fn sky(args: &BakeArgs, options: &BakeOptions) -> Result<(Source, Baked), CliError> {
+    let name = args.sky.as_deref().unwrap_or("studio");
+    let (environment, mut notes) = load::sky(name, args.env_rotation, args.env_intensity)?;
+    let map = SkyMap::new(&environment).map_err(|e| CliError::Other(format!("{name}: {e}")))?;
+    notes.extend(remarks(name, &environment, &map));
+    if !args.quiet {
+        notes.iter().for_each(|n| note_line(&format!("warning: {n}")));
+    }
+    let bar = bar(!args.quiet);
+    let baked = bake(&map, options, &|f| bar.set_position((f * 1000.0) as u64));
+    bar.finish_and_clear();
+    Ok((Source { sky: name.into(), notes, probe: None }, baked))
 }
 
 /// What about a sky is worth knowing.
@@ -181,7 +219,7 @@ fn options(args: &BakeArgs) -> BakeOptions {
     }
 }
 
-fn bar(visible: bool) -> ProgressBar {
+pub(crate) fn bar(visible: bool) -> ProgressBar {
     let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let bar = ProgressBar::with_draw_target(Some(1000), target);
     if let Ok(style) = ProgressStyle::with_template("{percent:>3}%  {elapsed}  {wide_bar}") {
@@ -203,8 +241,7 @@ fn table_image(args: &BakeArgs, table: &DfgTable) -> Image {
 fn manifest(
     args: &BakeArgs,
     format: CubeFormat,
-    sky: &str,
-    notes: Vec<String>,
+    source: Source,
     baked: &Baked,
     files: [&[File]; 3],
 ) -> Manifest {
@@ -215,17 +252,20 @@ fn manifest(
         CubeFormat::Exr => "rgb16f".into(),
         CubeFormat::Hdr => "rgbe".into(),
     };
+    let orientation = if format == CubeFormat::Exr { FACES_AS_OPENEXR } else { FACES_AS_TEXTURES };
     Manifest {
         generator: GENERATOR,
-        sky: sky.to_string(),
+        sky: source.sky,
+        probe: source.probe,
         frame: FRAME,
-        notes,
+        notes: source.notes,
         sh9: ShEntry::new(baked, args.window.to_string()),
         irradiance: CubeEntry {
             files: irradiance,
             encoding: encoding.clone(),
             size: baked.irradiance.size(),
             quantity: "irradiance: pi under a sky of radiance 1",
+            orientation,
             roughness: Vec::new(),
             mapping: None,
         },
@@ -234,6 +274,7 @@ fn manifest(
             encoding,
             size: baked.specular.size(),
             quantity: "radiance seen by a GGX lobe, N = V = R",
+            orientation,
             roughness: baked.roughness.clone(),
             mapping: Some(match args.mapping {
                 MipMapping::Linear => "lod = roughness * (mips - 1)".into(),

@@ -1,6 +1,6 @@
 //! What can be said to `etendue bake`.
 
-use super::args::{finite, non_negative};
+use super::args::{Vec3Arg, finite, non_negative, vec3};
 use crate::ibl::{DfgLayout, Kernel, MipMapping, TexelFormat, Window};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -31,10 +31,11 @@ impl CubeFormat {
 
 #[derive(Debug, Args)]
 pub(crate) struct BakeArgs {
-    /// Sky: a .hdr or .exr file, `studio` (built in), or a colour as R,G,B (linear)
-    #[arg(required_unless_present = "dfg")]
+    /// Sky: a .hdr or .exr file, `studio` (built in), or a colour as R,G,B (linear); with --probes the model, a .glb or .gltf file
+    #[arg(value_name = "SKY|MODEL", required_unless_present_any = ["dfg", "probe"])]
     pub sky: Option<String>,
-    /// A folder for everything, or a file for the prefiltered cube alone (.ktx2 .dds .exr .hdr), or for the table with --dfg (.exr .hdr)
+    /// A folder for everything, or a file for the prefiltered cube alone (.ktx2 .dds .exr .hdr), for the table with --dfg (.exr .hdr), or for
+    /// --probes (.json)
     #[arg(short, long, value_name = "DIR|FILE")]
     pub output: PathBuf,
     /// Kind of the cubes' files [default: ktx2 in a folder, else by the extension]
@@ -49,6 +50,33 @@ pub(crate) struct BakeArgs {
     /// Multiply the sky
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true, value_parser = non_negative, help_heading = "Sky")]
     pub env_intensity: f32,
+    /// Bake what this model looks like from a place inside of it, path-traced, instead of a sky: a reflection probe
+    #[arg(long, value_name = "MODEL", conflicts_with_all = ["sky", "dfg"], requires = "at", help_heading = "Probes")]
+    pub probe: Option<PathBuf>,
+    /// Where the reflection probe stands, metres
+    #[arg(long, value_name = "X,Y,Z", value_parser = vec3, allow_hyphen_values = true, requires = "probe", help_heading = "Probes")]
+    pub at: Option<Vec3Arg>,
+    /// Path-trace so many light probes along x, y and z, nine harmonics each, in the middles of the cells of a box
+    #[arg(long, value_name = "NX,NY,NZ", value_parser = counts, conflicts_with_all = ["dfg", "probe", "format"], help_heading = "Probes")]
+    pub probes: Option<[u32; 3]>,
+    /// The box of --probes [default: the model's], or the one on whose walls the picture of --probe lies (for parallax correction), metres
+    #[arg(long = "box", value_name = "X,Y,Z,X,Y,Z", value_parser = corners, allow_hyphen_values = true, help_heading = "Probes")]
+    pub volume: Option<Corners>,
+    /// Sky of the model: a .hdr or .exr file, `studio`, `none`, or a colour as R,G,B [default: studio]
+    #[arg(long, value_name = "SKY", help_heading = "Probes")]
+    pub env: Option<String>,
+    /// Texels along an edge of the faces that are path-traced [default: --size]
+    #[arg(long, value_name = "N", value_parser = power_of_two, requires = "probe", help_heading = "Probes")]
+    pub probe_size: Option<u32>,
+    /// Samples for each texel of --probe [default: 64], for each probe of --probes [default: 6144]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24), help_heading = "Probes")]
+    pub probe_samples: Option<u32>,
+    /// Most times that light is scattered on its way to a probe
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(..=1024), help_heading = "Probes")]
+    pub bounces: u32,
+    /// Let the model read files outside its own folder
+    #[arg(long, help_heading = "Probes")]
+    pub allow_outside: bool,
     /// Texels along an edge of the prefiltered cube: a power of two, 4 to 2048
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = power_of_two, help_heading = "Cubes")]
     pub size: u32,
@@ -91,6 +119,29 @@ pub(crate) struct BakeArgs {
     /// Print nothing but errors
     #[arg(short, long, help_heading = "Report")]
     pub quiet: bool,
+}
+
+/// Lower and upper corner of a box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Corners(pub [[f32; 3]; 2]);
+
+fn corners(s: &str) -> Result<Corners, String> {
+    let v: Option<Vec<f32>> =
+        s.split(',').map(|p| p.trim().parse().ok().filter(|v: &f32| v.is_finite())).collect();
+    match v.as_deref() {
+        Some(&[a, b, c, d, e, f]) if a < d && b < e && c < f => Ok(Corners([[a, b, c], [d, e, f]])),
+        _ => Err("give six numbers, the lower corner and the upper one, as in -1,0,-1,1,2,1".into()),
+    }
+}
+
+fn counts(s: &str) -> Result<[u32; 3], String> {
+    let v: Option<Vec<u32>> = s.split(',').map(|p| p.trim().parse().ok().filter(|n| *n > 0)).collect();
+    match v.as_deref() {
+        Some(&[x, y, z]) if [x, y, z].iter().map(|n| u128::from(*n)).product::<u128>() <= 1 << 20 => {
+            Ok([x, y, z])
+        }
+        _ => Err("give three counts, as in 8,4,8, of a million probes at most".into()),
+    }
 }
 
 fn power_of_two(s: &str) -> Result<u32, String> {

@@ -4,6 +4,7 @@ use super::CliError;
 use super::bake_args::{BakeArgs, CubeFormat};
 use super::output::unwritten;
 use crate::ibl::faces::{self, Turn};
+use crate::ibl::manifest::ProbeEntry;
 use crate::ibl::{Baked, CubeMap, TexelFormat, dds, ktx2};
 use crate::image::{Image, Metadata, PictureFormat, WriteOptions, encode_picture, write_atomic};
 use std::path::{Path, PathBuf};
@@ -15,11 +16,19 @@ pub(crate) struct File {
 }
 
 /// What a file says about itself.
-pub(crate) fn metadata(sky: &str, baked: &Baked, args: &BakeArgs) -> Metadata {
+pub(crate) fn metadata(sky: &str, probe: Option<&ProbeEntry>, baked: &Baked, args: &BakeArgs) -> Metadata {
     let mut metadata = Metadata::default();
     let roughness: Vec<String> = baked.roughness.iter().map(ToString::to_string).collect();
     metadata.set("Software", crate::ibl::manifest::GENERATOR);
     metadata.set("Sky", sky);
+    if let Some(p) = probe {
+        let numbers = |v: &[f32]| v.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
+        metadata.set("Scene", p.scene.clone());
+        metadata.set("At", numbers(&p.at));
+        if let Some(b) = p.volume {
+            metadata.set("Box", numbers(b.as_flattened()));
+        }
+    }
     metadata.set("Roughness", roughness.join(" "));
     metadata.set("Samples", args.samples.to_string());
     metadata.set("Mapping", args.mapping.to_string());

@@ -4,6 +4,7 @@ mod args;
 mod bake;
 mod bake_args;
 mod bake_files;
+mod bake_probe;
 mod bench;
 mod bench_models;
 mod bench_scenes;

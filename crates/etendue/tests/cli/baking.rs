@@ -92,6 +92,8 @@ fn odd_skies_have_a_clear_outcome() {
     etendue::image::write_layers_exr(&lab.path("nan.exr"), &[layer], (4, 2), &Default::default(), false)
         .unwrap();
     lab.ok(&format!("bake nan.exr -o nan-out.exr {QUICK}")).says(&["3 pixels", "repaired"]);
+    // What was baked as a cube is a sky again.
+    lab.ok(&format!("bake nan-out.exr -o again.exr {QUICK}")).says(&["cube map", "64 × 32"]);
     assert!(plane(&lab.exr("nan-out.exr"), "", "R").iter().all(|v| v.is_finite() && *v >= 0.0));
 }
 

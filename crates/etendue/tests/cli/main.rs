@@ -10,6 +10,7 @@ mod films;
 mod lab;
 mod laboratory;
 mod pictures;
+mod probes;
 mod realtime;
 mod stop;
 mod tools;
