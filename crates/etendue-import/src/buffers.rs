@@ -1,9 +1,12 @@
 //! The bytes behind the document's buffers and buffer views.
 
-use crate::document::{Document, get};
+use crate::document::{Compressed, Document, get};
 use crate::error::Fault;
+use crate::limits::Budget;
+use crate::meshopt;
 use crate::source::Source;
 use crate::warning::Warnings;
+use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,12 +19,14 @@ pub(crate) struct Buffers<'a> {
     of_buffer: Vec<Option<usize>>,
     /// Bytes read from files beside the model.
     pub external: u64,
+    /// The content of compressed views.
+    decoded: HashMap<u32, Vec<u8>>,
     /// Per accessor: whether its sparse indices have been found good.
     checked: Vec<AtomicBool>,
 }
 
 impl<'a> Buffers<'a> {
-    /// Loads every buffer that a buffer view refers to.
+    /// Loads every buffer that a buffer view has its content in; fallbacks of compressed views are not needed.
     pub fn load(
         doc: &Document<'_>,
         binary: Option<&'a [u8]>,
@@ -32,12 +37,20 @@ impl<'a> Buffers<'a> {
             blocks: Vec::new(),
             of_buffer: vec![None; doc.buffers.len()],
             external: 0,
+            decoded: HashMap::new(),
             checked: doc.accessors.iter().map(|_| AtomicBool::new(false)).collect(),
         };
         let mut wanted = vec![false; doc.buffers.len()];
         for (i, v) in doc.buffer_views.iter().enumerate() {
             get(&doc.buffers, v.buffer, "buffer", || format!("/bufferViews/{i}/buffer"))?;
-            wanted[v.buffer as usize] = true;
+            let buffer = match v.compressed.as_deref() {
+                Some(c) => {
+                    get(&doc.buffers, c.buffer, "buffer", || format!("{}/buffer", place(i, c)))?;
+                    c.buffer
+                }
+                None => v.buffer,
+            };
+            wanted[buffer as usize] = true;
         }
         let mut by_uri: HashMap<&str, usize> = HashMap::new();
         for (i, b) in doc.buffers.iter().enumerate().filter(|&(i, _)| wanted[i]) {
@@ -60,7 +73,7 @@ impl<'a> Buffers<'a> {
                         out.blocks.push(Cow::Borrowed(bytes));
                         out.blocks.len() - 1
                     }
-                    // A fallback buffer that need not exist; views into it say so when they are used.
+                    // It may be that nothing uses it; views into it say so when they are used.
                     _ => continue,
                 },
             };
@@ -83,6 +96,33 @@ impl<'a> Buffers<'a> {
         Ok(out)
     }
 
+    /// Decodes the compressed views, in parallel, after their size is booked.
+    pub fn decompress(&mut self, doc: &Document<'_>, budget: &mut Budget) -> Result<(), Fault> {
+        let mut jobs = Vec::new();
+        for (i, v) in doc.buffer_views.iter().enumerate() {
+            let Some(c) = v.compressed.as_deref() else { continue };
+            let size = c.layout.count.saturating_mul(c.layout.stride);
+            if size != v.byte_length {
+                return Err(Fault::invalid(
+                    place(i, c),
+                    format!("decodes to {size} bytes, but its view has {}", v.byte_length),
+                ));
+            }
+            budget.bytes(size, || place(i, c))?;
+            let pointer = || place(i, c);
+            jobs.push((i as u32, c, self.range(doc, c.buffer, c.byte_offset, c.byte_length, pointer)?));
+        }
+        let decoded: Result<HashMap<u32, Vec<u8>>, Fault> = jobs
+            .into_par_iter()
+            .map(|(i, c, bytes)| {
+                let content = meshopt::decode(bytes, &c.layout);
+                content.map(|b| (i, b)).map_err(|e| Fault::invalid(place(i as usize, c), e.to_string()))
+            })
+            .collect();
+        self.decoded = decoded?;
+        Ok(())
+    }
+
     /// Runs a check of accessor `index`'s data unless it has passed before: an accessor may be used any number of times.
     pub fn once(&self, index: u32, check: impl FnOnce() -> Result<(), Fault>) -> Result<(), Fault> {
         let Some(done) = self.checked.get(index as usize) else { return check() };
@@ -93,36 +133,48 @@ impl<'a> Buffers<'a> {
         Ok(())
     }
 
-    /// The bytes of buffer view `index`, which `from` refers to.
+    /// The content of buffer view `index`, which `from` refers to.
     pub fn view(&self, doc: &Document<'_>, index: u32, from: impl Fn() -> String) -> Result<&[u8], Fault> {
         let v = get(&doc.buffer_views, index, "buffer view", &from)?;
-        let pointer = || format!("/bufferViews/{index}");
-        let buffer = get(&doc.buffers, v.buffer, "buffer", || format!("{}/buffer", pointer()))?;
-        let Some(block) = self.of_buffer[v.buffer as usize] else {
-            return Err(if v.meshopt {
-                Fault::Unsupported {
-                    pointer: pointer(),
-                    what: "EXT_meshopt_compression (its fallback buffer has no data)".into(),
-                    hint: "; export the model without mesh compression".into(),
-                }
-            } else {
-                Fault::invalid(
-                    format!("/buffers/{}", v.buffer),
-                    "has no `uri` and there is no binary chunk for it",
-                )
-            });
+        match self.decoded.get(&index) {
+            Some(content) => Ok(content),
+            None => {
+                self.range(doc, v.buffer, v.byte_offset, v.byte_length, || format!("/bufferViews/{index}"))
+            }
+        }
+    }
+
+    /// Bytes of a buffer, for what stands at `pointer`.
+    fn range(
+        &self,
+        doc: &Document<'_>,
+        index: u32,
+        offset: u64,
+        length: u64,
+        pointer: impl Fn() -> String,
+    ) -> Result<&[u8], Fault> {
+        let buffer = get(&doc.buffers, index, "buffer", || format!("{}/buffer", pointer()))?;
+        let Some(block) = self.of_buffer[index as usize] else {
+            return Err(Fault::invalid(
+                format!("/buffers/{index}"),
+                "has no `uri` and there is no binary chunk for it",
+            ));
         };
-        let end = v.byte_offset.checked_add(v.byte_length).filter(|&e| e <= buffer.byte_length);
-        let Some(end) = end else {
+        let Some(end) = offset.checked_add(length).filter(|&e| e <= buffer.byte_length) else {
             return Err(Fault::invalid(
                 pointer(),
                 format!(
-                    "{} bytes from byte {} reach beyond buffer {} of {} bytes",
-                    v.byte_length, v.byte_offset, v.buffer, buffer.byte_length
+                    "{length} bytes from byte {offset} reach beyond buffer {index} of {} bytes",
+                    buffer.byte_length
                 ),
             ));
         };
         // Within byte_length, which `load` found to be within the block.
-        Ok(&self.blocks[block][v.byte_offset as usize..end as usize])
+        Ok(&self.blocks[block][offset as usize..end as usize])
     }
+}
+
+/// JSON pointer to the compressed form of view `index`.
+fn place(index: usize, c: &Compressed) -> String {
+    format!("/bufferViews/{index}/extensions/{}", c.extension)
 }

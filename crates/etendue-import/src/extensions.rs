@@ -9,9 +9,11 @@ pub(crate) const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmissio
 pub(crate) const DISPERSION: &str = "KHR_materials_dispersion";
 pub(crate) const DRACO: &str = "KHR_draco_mesh_compression";
 pub(crate) const EMISSIVE_STRENGTH: &str = "KHR_materials_emissive_strength";
+pub(crate) const EXT_MESHOPT: &str = "EXT_meshopt_compression";
 pub(crate) const GPU_INSTANCING: &str = "EXT_mesh_gpu_instancing";
 pub(crate) const IOR: &str = "KHR_materials_ior";
 pub(crate) const IRIDESCENCE: &str = "KHR_materials_iridescence";
+pub(crate) const KHR_MESHOPT: &str = "KHR_meshopt_compression";
 pub(crate) const LIGHTS_PUNCTUAL: &str = "KHR_lights_punctual";
 pub(crate) const MESH_QUANTIZATION: &str = "KHR_mesh_quantization";
 pub(crate) const SHEEN: &str = "KHR_materials_sheen";
@@ -26,6 +28,7 @@ pub(crate) const VOLUME: &str = "KHR_materials_volume";
 
 /// Extensions that may stand on an object of the kind and need no warning there.
 pub(crate) const ON_ACCESSOR: [&str; 0] = [];
+pub(crate) const ON_BUFFER_VIEW: [&str; 2] = [EXT_MESHOPT, KHR_MESHOPT];
 pub(crate) const ON_ROOT: [&str; 2] = [LIGHTS_PUNCTUAL, VARIANTS];
 /// Draco's own errors are more precise than a warning.
 pub(crate) const ON_PRIMITIVE: [&str; 2] = [DRACO, VARIANTS];
@@ -79,9 +82,11 @@ const TABLE: &[(&str, Support)] = &[
     (DIFFUSE_TRANSMISSION, Support::Full),
     (DISPERSION, Support::Full),
     (EMISSIVE_STRENGTH, Support::Full),
+    (EXT_MESHOPT, Support::Full),
     (GPU_INSTANCING, Support::Full),
     (IOR, Support::Full),
     (IRIDESCENCE, Support::Full),
+    (KHR_MESHOPT, Support::Full),
     (LIGHTS_PUNCTUAL, Support::Full),
     (MESH_QUANTIZATION, Support::Full),
     (SHEEN, Support::Full),
@@ -98,8 +103,6 @@ const TABLE: &[(&str, Support)] = &[
     ("KHR_xmp", Support::Ignored),
     ("KHR_xmp_json_ld", Support::Ignored),
     (DRACO, Support::Refused),
-    ("EXT_meshopt_compression", Support::Refused),
-    ("KHR_meshopt_compression", Support::Refused),
     ("KHR_texture_basisu", Support::Refused),
     ("MSFT_texture_dds", Support::Refused),
 ];
@@ -119,7 +122,7 @@ pub(crate) fn check_required(required: &[&str], warnings: &mut Warnings) -> Resu
         .take(16)
         .collect();
     if !refused.is_empty() {
-        let hint = if refused.contains(&DRACO) || refused.iter().any(|n| n.ends_with("meshopt_compression")) {
+        let hint = if refused.contains(&DRACO) {
             "; export the model without mesh compression"
         } else if refused.contains(&"KHR_texture_basisu") {
             "; export the model with PNG, JPEG or WebP textures"

@@ -91,7 +91,9 @@ fn run(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptions)
     let hierarchy = Hierarchy::new(&doc, limits)?;
     let visible = hierarchy.visible(&doc, &mut warnings)?;
     let source = Source { folder, limits };
-    let buffers = Buffers::load(&doc, parts.binary, &source, &mut warnings)?;
+    let mut buffers = Buffers::load(&doc, parts.binary, &source, &mut warnings)?;
+    let mut budget = Budget::new(limits, bytes.len() as u64 + buffers.external);
+    buffers.decompress(&doc, &mut budget)?;
     let accessors = Accessors { doc: &doc, buffers: &buffers };
 
     let pose = match options.at {
@@ -103,7 +105,6 @@ fn run(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptions)
         .collect();
     let globals = hierarchy.globals(&locals);
 
-    let budget = Budget::new(limits, bytes.len() as u64 + buffers.external);
     let mut plan = Plan::new(accessors, &pose, &globals, options.occlusion, budget, warnings);
     for &i in &visible {
         plan.node(i)?;

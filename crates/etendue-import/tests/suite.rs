@@ -38,9 +38,8 @@ fn models(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// Without these, or with data that only they can hold, a file may be refused.
-const REFUSED: [&str; 7] = [
+const REFUSED: [&str; 6] = [
     "KHR_draco_mesh_compression",
-    "EXT_meshopt_compression",
     "KHR_texture_basisu",
     "KTX2 textures",
     "FAKE_materials_quantumRendering",

@@ -2,7 +2,8 @@
 
 use crate::error::Fault;
 use crate::extensions;
-use crate::json::Reader;
+use crate::json::{Object, Reader};
+use crate::meshopt::{self, Filter, Mode};
 use serde_json::Value;
 
 /// A block of bytes: in the GLB, in a data URI or in a file.
@@ -27,8 +28,52 @@ pub(crate) struct BufferView {
     pub byte_offset: u64,
     pub byte_length: u64,
     pub byte_stride: Option<u64>,
-    /// Whether the real data are compressed by `EXT_meshopt_compression` and these are the fallback.
-    pub meshopt: bool,
+    /// The compressed form of its content (`KHR_meshopt_compression`); the range above is then that of a fallback.
+    pub compressed: Option<Box<Compressed>>,
+}
+
+/// A range of a buffer that decodes to the content of a view.
+pub(crate) struct Compressed {
+    pub buffer: u32,
+    pub byte_offset: u64,
+    pub byte_length: u64,
+    pub layout: meshopt::Layout,
+    /// The extension that says so.
+    pub extension: &'static str,
+}
+
+impl Compressed {
+    fn read<'v>(r: &mut Reader<'v>, o: &'v Object, extension: &'static str) -> Result<Self, Fault> {
+        let mode = |r: &mut Reader<'v>, v| match r.string(v)? {
+            "ATTRIBUTES" => Ok(Mode::Attributes),
+            "TRIANGLES" => Ok(Mode::Triangles),
+            "INDICES" => Ok(Mode::Indices),
+            s => Err(r.fault(format!("`{s}` is no mode (ATTRIBUTES, TRIANGLES, INDICES are)"))),
+        };
+        let filter = |r: &mut Reader<'v>, v| match r.string(v)? {
+            "NONE" => Ok(Filter::None),
+            "OCTAHEDRAL" => Ok(Filter::Octahedral),
+            "QUATERNION" => Ok(Filter::Quaternion),
+            "EXPONENTIAL" => Ok(Filter::Exponential),
+            "COLOR" => Ok(Filter::Color),
+            s => {
+                let known = "NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL, COLOR";
+                Err(r.fault(format!("`{s}` is no filter ({known} are)")))
+            }
+        };
+        Ok(Self {
+            buffer: r.req(o, "buffer", Reader::index)?,
+            byte_offset: r.opt(o, "byteOffset", Reader::count)?.unwrap_or(0),
+            byte_length: r.req(o, "byteLength", Reader::count)?,
+            layout: meshopt::Layout {
+                mode: r.req(o, "mode", mode)?,
+                filter: r.opt(o, "filter", filter)?.unwrap_or_default(),
+                count: r.req(o, "count", Reader::count)?,
+                stride: r.req(o, "byteStride", Reader::count)?,
+            },
+            extension,
+        })
+    }
 }
 
 impl BufferView {
@@ -38,15 +83,19 @@ impl BufferView {
             n @ 4..=252 => Ok(n),
             n => Err(r.fault(format!("a stride of 4 to 252 bytes is needed, not {n}"))),
         })?;
-        let meshopt = ["EXT_meshopt_compression", "KHR_meshopt_compression"]
-            .into_iter()
-            .any(|e| matches!(o.get("extensions"), Some(Value::Object(x)) if x.contains_key(e)));
+        let mut compressed = None;
+        for name in [extensions::KHR_MESHOPT, extensions::EXT_MESHOPT] {
+            if compressed.is_none() {
+                compressed = r.extension(o, name, |r, o| Compressed::read(r, o, name).map(Box::new))?;
+            }
+        }
+        r.other_extensions(o, &extensions::ON_BUFFER_VIEW);
         Ok(Self {
             buffer: r.req(o, "buffer", Reader::index)?,
             byte_offset: r.opt(o, "byteOffset", Reader::count)?.unwrap_or(0),
             byte_length: r.req(o, "byteLength", Reader::count)?,
             byte_stride,
-            meshopt,
+            compressed,
         })
     }
 }

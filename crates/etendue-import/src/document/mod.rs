@@ -14,7 +14,7 @@ pub(crate) mod surface;
 mod variants;
 
 pub(crate) use asset::{Asset, Scene};
-pub(crate) use data::{Accessor, Buffer, BufferView, Component, Shape, Sparse};
+pub(crate) use data::{Accessor, Buffer, BufferView, Component, Compressed, Shape, Sparse};
 pub(crate) use geometry::{Mesh, Mode, Primitive, Target};
 pub(crate) use material::{Image, Material, Sampler, Texture, TextureInfo};
 pub(crate) use motion::{Animation, Interpolation, Path, Skin};
