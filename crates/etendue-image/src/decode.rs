@@ -1,10 +1,10 @@
-//! PNG, JPEG and WebP into a picture at the depth of the file.
+//! PNG, JPEG, WebP and KTX2 into a picture at the depth of the file.
 
 use std::io::Cursor;
 
 use image::ImageDecoder;
 
-use crate::{Image, ImageError, Pixels};
+use crate::{Image, ImageError, Ktx2, Pixels};
 
 /// How much a file may ask for before it is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,14 +53,15 @@ impl DecodeLimits {
 }
 
 /// The formats that [`decode`] reads.
-const KNOWN: &str = "PNG, JPEG, WebP";
+const KNOWN: &str = "PNG, JPEG, WebP, KTX2";
 
-/// Decodes a PNG, JPEG or WebP picture, told apart by its first bytes.
+/// Decodes a PNG, JPEG, WebP or KTX2 picture, told apart by its first bytes.
 ///
 /// Samples keep the file's depth (8 bits, or 16 in 16-bit PNG; fewer bits are scaled to 8) and its kind: grey,
 /// grey + alpha, RGB or RGBA, alpha not multiplied in. Palettes are expanded, a transparent colour becomes an alpha channel, CMYK
 /// and YCCK become RGB; of an animation the first frame is read. Colour profiles, gamma and EXIF orientation are left
-/// alone, as glTF asks (glTF 2.0, 3.8.3): what the numbers mean is the caller's to know.
+/// alone, as glTF asks (glTF 2.0, 3.8.3): what the numbers mean is the caller's to know. Of a KTX2 texture it is the largest
+/// mip, the first layer and the first face ([`Ktx2`] has the others); one of floats is not for textures and refused.
 ///
 /// # Errors
 /// [`ImageError::UnknownFormat`], [`ImageError::Damaged`] (truncated data included, except that a JPEG whose entropy-coded
@@ -70,8 +71,18 @@ pub fn decode(bytes: &[u8], limits: &DecodeLimits) -> Result<Image, ImageError> 
         [0x89, b'P', b'N', b'G', ..] => decode_png(bytes, limits),
         [0xff, 0xd8, ..] => decode_jpeg(bytes, limits),
         [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => decode_webp(bytes, limits),
+        [0xab, b'K', b'T', b'X', b' ', b'2', ..] => decode_ktx2(bytes, limits),
         _ => Err(unknown_format(bytes, KNOWN)),
     }
+}
+
+fn decode_ktx2(bytes: &[u8], limits: &DecodeLimits) -> Result<Image, ImageError> {
+    const F: &str = "KTX2";
+    let Image { width, height, channels, pixels } = Ktx2::new(bytes, limits)?.first()?;
+    if matches!(pixels, Pixels::F32(_)) {
+        return Err(ImageError::unsupported(F, "floats as a texture"));
+    }
+    finish(F, width, height, channels, pixels)
 }
 
 pub(crate) fn unknown_format(bytes: &[u8], known: &'static str) -> ImageError {

@@ -118,14 +118,21 @@ fn whole_corpora() {
         return;
     }
     std::panic::set_hook(Box::new(|_| {}));
-    let mut folders: Vec<PathBuf> =
-        ["pngsuite", "jpeg-reftest", "image-rs-hdr", "openexr-images", "exrs-compression", "hdrify"]
-            .iter()
-            .map(|d| assets.join("images-valid").join(d))
-            .collect();
+    let mut folders: Vec<PathBuf> = [
+        "pngsuite",
+        "jpeg-reftest",
+        "image-rs-hdr",
+        "openexr-images",
+        "exrs-compression",
+        "hdrify",
+        "ktx2-cts",
+    ]
+    .iter()
+    .map(|d| assets.join("images-valid").join(d))
+    .collect();
     for entry in std::fs::read_dir(assets.join("malformed")).into_iter().flatten().flatten() {
         let name = entry.file_name().into_string().unwrap_or_default();
-        if ["exr-", "png-", "jpg-", "image-"].iter().any(|p| name.starts_with(p)) {
+        if ["exr-", "png-", "jpg-", "image-", "ktx2-"].iter().any(|p| name.starts_with(p)) {
             folders.push(entry.path());
         }
     }

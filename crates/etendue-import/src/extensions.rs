@@ -19,6 +19,7 @@ pub(crate) const MESH_QUANTIZATION: &str = "KHR_mesh_quantization";
 pub(crate) const SHEEN: &str = "KHR_materials_sheen";
 pub(crate) const SPECULAR: &str = "KHR_materials_specular";
 pub(crate) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
+pub(crate) const TEXTURE_BASISU: &str = "KHR_texture_basisu";
 pub(crate) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 pub(crate) const TEXTURE_WEBP: &str = "EXT_texture_webp";
 pub(crate) const TRANSMISSION: &str = "KHR_materials_transmission";
@@ -92,6 +93,7 @@ const TABLE: &[(&str, Support)] = &[
     (SHEEN, Support::Full),
     (SPECULAR, Support::Full),
     (SPECULAR_GLOSSINESS, Support::Full),
+    (TEXTURE_BASISU, Support::Full),
     (TEXTURE_TRANSFORM, Support::Full),
     (TEXTURE_WEBP, Support::Full),
     (TRANSMISSION, Support::Full),
@@ -103,7 +105,6 @@ const TABLE: &[(&str, Support)] = &[
     ("KHR_xmp", Support::Ignored),
     ("KHR_xmp_json_ld", Support::Ignored),
     (DRACO, Support::Refused),
-    ("KHR_texture_basisu", Support::Refused),
     ("MSFT_texture_dds", Support::Refused),
 ];
 
@@ -122,13 +123,7 @@ pub(crate) fn check_required(required: &[&str], warnings: &mut Warnings) -> Resu
         .take(16)
         .collect();
     if !refused.is_empty() {
-        let hint = if refused.contains(&DRACO) {
-            "; export the model without mesh compression"
-        } else if refused.contains(&"KHR_texture_basisu") {
-            "; export the model with PNG, JPEG or WebP textures"
-        } else {
-            ""
-        };
+        let hint = if refused.contains(&DRACO) { "; export the model without mesh compression" } else { "" };
         return Err(Fault::Unsupported {
             pointer: "/extensionsRequired".into(),
             what: refused.join(", "),

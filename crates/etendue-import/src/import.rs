@@ -139,6 +139,7 @@ fn run(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptions)
     };
     drop_empty_meshes(&mut scene);
     scene.validate().map_err(|e| Fault::invalid("", e.0))?;
+    texture::check_encoding(&scene, &textures.images, &images, &mut warnings);
     let mut info = Info::of_document(&doc);
     info.file = name.to_owned();
     info.format = if parts.is_glb { "GLB" } else { "glTF" };

@@ -144,7 +144,7 @@ pub struct ImageInfo {
     pub uri: Option<String>,
     /// Whether the scene uses it; the fields below are known only then.
     pub used: bool,
-    /// `PNG`, `JPEG`, `WebP`.
+    /// `PNG`, `JPEG`, `WebP`, `KTX2`, `KTX2 UASTC`, `KTX2 ETC1S`.
     pub format: &'static str,
     /// Pixels.
     pub width: u32,
@@ -154,6 +154,8 @@ pub struct ImageInfo {
     pub channels: u8,
     /// Bits per channel.
     pub bits: u32,
+    /// Sizes in which the file has it. The largest is used: a pixel's samples integrate what mips would have averaged.
+    pub mips: u32,
     /// Size of the coded image, bytes.
     pub bytes: u64,
     /// Size in memory, bytes.
@@ -261,6 +263,7 @@ impl Info {
             info.used = true;
             info.format = d.format;
             (info.width, info.height, info.channels) = (d.image.width, d.image.height, d.image.channels);
+            info.mips = d.mips;
             info.bytes = d.encoded_bytes;
             info.decoded_bytes = d.image.bytes() as u64;
             info.bits = (8 * d.image.bytes() / d.image.len().max(1)) as u32;

@@ -7,8 +7,8 @@ use crate::limits::Limits;
 use crate::source::Source;
 use crate::uri;
 use crate::warning::Warnings;
-use etendue_image::{DecodeLimits, Image, decode};
-use etendue_scene::{Filter, Sampler, Texture, Wrap};
+use etendue_image::{DecodeLimits, Image, ImageError, Ktx2, decode};
+use etendue_scene::{Filter, Sampler, Scene, Texture, TextureRef, Wrap};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -150,6 +150,10 @@ pub(crate) struct Decoded {
     pub image: Arc<Image>,
     pub encoded_bytes: u64,
     pub format: &'static str,
+    /// Mips in the file.
+    pub mips: u32,
+    /// Whether the file says that its colours are encoded, or that they are not; most formats do not say.
+    pub srgb: Option<bool>,
 }
 
 /// Reads and decodes images `which`, in parallel.
@@ -167,18 +171,35 @@ pub(crate) fn decode_all(
             let code = bytes(doc, i, buffers, source)?;
             let limits = DecodeLimits { max_pixels: image_pixels, max_bytes: image_bytes };
             let format = format_of(&code);
-            if matches!(format, "KTX2" | "DDS") {
-                return Err(Fault::Unsupported {
-                    pointer: format!("/images/{i}"),
-                    what: format!("{format} textures"),
-                    hint: "; export the model with PNG, JPEG or WebP textures".into(),
-                });
+            let refused = |what: String| Fault::Unsupported {
+                pointer: format!("/images/{i}"),
+                what,
+                hint: "; export the model with PNG, JPEG, WebP or Basis Universal textures".into(),
+            };
+            if format == "DDS" {
+                return Err(refused("DDS textures".into()));
             }
-            let image = decode(&code, &limits).map_err(|e| {
-                let d = &doc.images[i as usize];
-                let name = d.uri.map_or_else(|| format!("`{}`", uri::shorten(d.name)), uri::shorten);
-                Fault::Image { pointer: format!("/images/{i}"), image: name, message: e.to_string() }
-            })?;
+            let fault = |e: ImageError| match e {
+                ImageError::Unsupported { feature, .. } if format == "KTX2" => {
+                    refused(format!("KTX2 textures with {feature}"))
+                }
+                e => {
+                    let d = &doc.images[i as usize];
+                    let name = d.uri.map_or_else(|| format!("`{}`", uri::shorten(d.name)), uri::shorten);
+                    Fault::Image { pointer: format!("/images/{i}"), image: name, message: e.to_string() }
+                }
+            };
+            let image = decode(&code, &limits).map_err(fault)?;
+            let (mut said, mut mips, mut srgb) = (format, 1, None);
+            if format == "KTX2" {
+                let k = Ktx2::new(&code, &limits).map_err(fault)?;
+                (mips, srgb) = (k.mips(), Some(k.is_srgb()));
+                said = match k.coding() {
+                    "ETC1S" => "KTX2 ETC1S",
+                    "UASTC" => "KTX2 UASTC",
+                    _ => format,
+                };
+            }
             let size = image.bytes() as u64;
             if total.fetch_add(size, Ordering::Relaxed).saturating_add(size) > image_bytes {
                 return Err(Fault::TooLarge {
@@ -187,9 +208,36 @@ pub(crate) fn decode_all(
                     limit: "image_bytes",
                 });
             }
-            Ok(Decoded { image: Arc::new(image), encoded_bytes: code.len() as u64, format })
+            let encoded_bytes = code.len() as u64;
+            Ok(Decoded { image: Arc::new(image), encoded_bytes, format: said, mips, srgb })
         })
         .collect()
+}
+
+/// Warns of images that say of their colours what glTF does not have where they are used. glTF decides
+/// (`KHR_texture_basisu`: colour textures have to be sRGB, others linear).
+pub(crate) fn check_encoding(scene: &Scene, which: &[u32], decoded: &[Decoded], warnings: &mut Warnings) {
+    let mut check = |t: Option<TextureRef>, color: bool| {
+        let image = t.map(|t| scene.textures[t.texture as usize].image as usize);
+        if let Some(i) = image
+            && decoded[i].srgb == Some(!color)
+        {
+            warnings.add(
+                format!("/images/{}", which[i]),
+                if color {
+                    "says that it is linear, but a material has it for colour; taken as sRGB"
+                } else {
+                    "says that it is sRGB, but a material has it for data; taken as it stands"
+                },
+            );
+        }
+    };
+    for m in &scene.materials {
+        check(m.base_color_texture, true);
+        check(m.emissive_texture, true);
+        check(m.metallic_roughness_texture, false);
+        check(m.normal_texture.map(|n| n.texture), false);
+    }
 }
 
 /// The picture format by its first bytes.

@@ -133,7 +133,7 @@ pub(super) fn with_factor<'v>(
 /// An image with its sampler.
 pub(crate) struct Texture {
     pub sampler: Option<u32>,
-    /// The image to use: the one of `EXT_texture_webp` if there is one.
+    /// The image to use: that of `EXT_texture_webp` or `KHR_texture_basisu` if there is one.
     pub source: Option<u32>,
     /// Whether an unsupported extension holds another image of it.
     pub other_source: bool,
@@ -143,11 +143,12 @@ impl Texture {
     pub fn read<'v>(r: &mut Reader<'v>, v: &'v Value) -> Result<Self, Fault> {
         let o = r.object(v)?;
         let webp = r.extension(o, ext::TEXTURE_WEBP, |r, o| r.opt(o, "source", Reader::index))?;
-        r.other_extensions(o, &[ext::TEXTURE_WEBP]);
+        let basisu = r.extension(o, ext::TEXTURE_BASISU, |r, o| r.opt(o, "source", Reader::index))?;
+        r.other_extensions(o, &[ext::TEXTURE_BASISU, ext::TEXTURE_WEBP]);
         let plain = r.opt(o, "source", Reader::index)?;
         Ok(Self {
             sampler: r.opt(o, "sampler", Reader::index)?,
-            source: webp.flatten().or(plain),
+            source: webp.flatten().or(basisu.flatten()).or(plain),
             other_source: matches!(o.get("extensions"), Some(Value::Object(e)) if !e.is_empty()),
         })
     }

@@ -151,8 +151,9 @@ fn text(imported: &Imported) -> String {
         .enumerate()
         .map(|(i, m)| {
             let size = if m.used {
+                let mips = if m.mips > 1 { format!(", {} mips", m.mips) } else { String::new() };
                 format!(
-                    "{} {} × {} × {}, {} bit, {} → {}",
+                    "{} {} × {} × {}, {} bit{mips}, {} → {}",
                     m.format,
                     m.width,
                     m.height,

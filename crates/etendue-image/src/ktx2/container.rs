@@ -1,0 +1,158 @@
+//! The file: header, index of levels, descriptor, key-value data (KTX 2.0, section 3).
+
+use super::F;
+use super::descriptor::Model;
+use crate::ImageError;
+
+/// The first bytes (3.1).
+pub(super) const IDENTIFIER: [u8; 12] = *b"\xabKTX 20\xbb\r\n\x1a\n";
+
+/// How levels are packed once more (3.9).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Scheme {
+    None,
+    BasisLz,
+    Zstandard,
+    Zlib,
+}
+
+/// A mip.
+pub(super) struct Level<'a> {
+    /// As in the file.
+    pub bytes: &'a [u8],
+    /// Size without supercompression, as the index says.
+    pub size: u64,
+}
+
+/// A file whose parts are known to be within it.
+pub(super) struct Container<'a> {
+    /// Vulkan's number of the format; 0 if it has none.
+    pub format: u32,
+    pub width: u32,
+    pub height: u32,
+    /// At least 1, as all that follow.
+    pub depth: u32,
+    pub layers: u32,
+    pub faces: u32,
+    pub levels: Vec<Level<'a>>,
+    pub scheme: Scheme,
+    pub descriptor: &'a [u8],
+    values: &'a [u8],
+    /// Global data of the supercompression.
+    pub global: &'a [u8],
+}
+
+fn word(b: &[u8], at: usize) -> u32 {
+    let mut w = [0; 4];
+    w.copy_from_slice(&b[at..at + 4]);
+    u32::from_le_bytes(w)
+}
+
+fn long(b: &[u8], at: usize) -> u64 {
+    u64::from(word(b, at)) | u64::from(word(b, at + 4)) << 32
+}
+
+/// The bytes of a part; an empty one may stand anywhere.
+fn part<'a>(bytes: &'a [u8], offset: u64, length: u64, name: &str) -> Result<&'a [u8], ImageError> {
+    if length == 0 {
+        return Ok(&[]);
+    }
+    let end = offset.checked_add(length).filter(|&e| e <= bytes.len() as u64);
+    let end = end.ok_or_else(|| {
+        ImageError::damaged(F, format!("{name} ({length} bytes from byte {offset}) reaches beyond the file"))
+    })?;
+    Ok(&bytes[offset as usize..end as usize])
+}
+
+impl<'a> Container<'a> {
+    pub fn read(bytes: &'a [u8]) -> Result<Self, ImageError> {
+        let bad = |cause: &str| Err(ImageError::damaged(F, cause));
+        let Some(header) = bytes.get(..80).filter(|h| h.starts_with(&IDENTIFIER)) else {
+            return bad("the header is cut off or not that of KTX 2");
+        };
+        let [format, _, width, height, depth, layers, faces, levels, scheme] =
+            std::array::from_fn(|i| word(header, 12 + 4 * i));
+        if width == 0 {
+            return bad("it has no width");
+        }
+        if height == 0 && depth > 0 {
+            return bad("it has depth, but no height");
+        }
+        if !matches!(faces, 1 | 6) {
+            return Err(ImageError::damaged(F, format!("{faces} faces")));
+        }
+        if faces == 6 && (width != height || depth > 0) {
+            return bad("a cube whose faces are not square");
+        }
+        let (height, depth, layers) = (height.max(1), depth.max(1), layers.max(1));
+        let most = 32 - width.max(height).max(depth).leading_zeros();
+        if levels > most {
+            return Err(ImageError::damaged(F, format!("{levels} mips of {width} × {height}")));
+        }
+        let scheme = match scheme {
+            0 => Scheme::None,
+            1 => Scheme::BasisLz,
+            2 => Scheme::Zstandard,
+            3 => Scheme::Zlib,
+            n => return Err(ImageError::unsupported(F, format!("supercompression scheme {n}"))),
+        };
+        let levels = (0..levels.max(1) as usize).map(|i| {
+            let index = bytes.get(80 + 24 * i..104 + 24 * i);
+            let index = index.ok_or_else(|| ImageError::damaged(F, "the index of mips is cut off"))?;
+            let bytes = part(bytes, long(index, 0), long(index, 8), "a mip")?;
+            Ok(Level { bytes, size: long(index, 16) })
+        });
+        let levels = levels.collect::<Result<Vec<_>, ImageError>>()?;
+        let near = |at: usize, name| part(bytes, word(header, at).into(), word(header, at + 4).into(), name);
+        Ok(Self {
+            format,
+            width,
+            height,
+            depth,
+            layers,
+            faces,
+            levels,
+            scheme,
+            descriptor: near(48, "the data format descriptor")?,
+            values: near(56, "the key-value data")?,
+            global: part(bytes, long(header, 64), long(header, 72), "the global data")?,
+        })
+    }
+
+    /// A colour model goes with certain schemes only.
+    pub fn check_scheme(&self, model: Model) -> Result<(), ImageError> {
+        if (self.scheme == Scheme::BasisLz) != (model == Model::Etc1s) {
+            return Err(ImageError::damaged(F, "BasisLZ without ETC1S, or ETC1S without BasisLZ"));
+        }
+        if model != Model::Plain && (self.format != 0 || self.depth > 1) {
+            return Err(ImageError::damaged(F, "a format or a depth with Basis Universal's data"));
+        }
+        Ok(())
+    }
+
+    /// Number of pictures of a mip.
+    pub fn images_of(&self, mip: u32) -> u64 {
+        let depth = self.depth.checked_shr(mip).unwrap_or(0).max(1);
+        u64::from(self.layers).saturating_mul(self.faces.into()).saturating_mul(depth.into())
+    }
+
+    /// Number of all pictures.
+    pub fn images(&self) -> u64 {
+        (0..self.levels.len() as u32).map(|m| self.images_of(m)).fold(0, u64::saturating_add)
+    }
+
+    /// The value of a key; the first, if a damaged file has several (3.11).
+    pub fn value(&self, key: &str) -> Option<&'a [u8]> {
+        let mut rest = self.values;
+        while let Some((length, more)) = rest.split_first_chunk::<4>() {
+            let length = u32::from_le_bytes(*length) as usize;
+            let entry = more.get(..length)?;
+            let end = entry.iter().position(|&b| b == 0)?;
+            if &entry[..end] == key.as_bytes() {
+                return Some(&entry[end + 1..]);
+            }
+            rest = more.get(length.next_multiple_of(4)..)?;
+        }
+        None
+    }
+}
