@@ -11,7 +11,8 @@ const STYLE: &str = "\
 body{font:15px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:80rem;padding:0 1rem;color:var(--ink);background:var(--paper)}
 h1{font-size:1.6rem}h2{font-size:1.25rem;margin-top:2.2rem;border-bottom:1px solid var(--line)}
 code,pre,td.n{font-family:ui-monospace,Menlo,Consolas,monospace;font-size:.88em}
-pre{overflow-x:auto}code{overflow-wrap:anywhere}
+td.n,td code{white-space:nowrap}
+pre{overflow-x:auto}svg{max-width:100%;height:auto;border-radius:4px}code{overflow-wrap:anywhere}
 table{border-collapse:collapse}td,th{padding:.15rem .5rem;text-align:left;vertical-align:top}
 .bad{color:var(--bad);font-weight:bold}.dim{color:var(--dim)}
 [hidden]{display:none!important}

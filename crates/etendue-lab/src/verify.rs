@@ -106,7 +106,7 @@ pub fn to_html(report: &Report, settings: &Settings, command: &str) -> String {
         let _ = model(&mut body, &report.cases[from..to]);
         from = to;
     }
-    let style = ".g{border-spacing:0}.g td{border-top:1px solid var(--line)}.g th{font-size:.85em}\
+    let style = ".g{border-spacing:0}.g td{border-top:1px solid var(--line)}.g th{font-size:.85em}.g td+td{white-space:nowrap}p b{margin-right:5px}\
                  b{display:inline-block;width:13px;height:13px;margin-right:2px;border-radius:2px}\
                  .h{background:#0072b2}.f{background:#d55e00;outline:2px solid var(--ink)}.w{background:#bbb}\
                  .o{opacity:.45}";

@@ -79,9 +79,8 @@ pub(super) fn plot(s: &Subject) -> Drawing {
         let rms = if z2.is_empty() { 0.0 } else { (z2.iter().sum::<f64>() / z2.len() as f64).sqrt() };
         let [delta, none] = t.discrete;
         let text = format!(
-            "wo at {}°: RMS {rms:.2} over {} cells; {:.1} % specular, {:.1} % nothing",
+            "wo at {}°: RMS {rms:.2}; {:.1} % specular, {:.1} % nothing",
             ANGLES[i],
-            z2.len(),
             100.0 * delta,
             100.0 * none
         );

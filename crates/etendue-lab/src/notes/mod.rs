@@ -104,7 +104,7 @@ pub fn to_html(entries: &[Entry]) -> String {
             d.to_svg()
         );
     }
-    page("Formulas of the founding notes", "pre{margin:0}svg{max-width:100%;height:auto}", &body)
+    page("Formulas of the founding notes", "pre{margin:0}", &body)
 }
 
 #[cfg(test)]

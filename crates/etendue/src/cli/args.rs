@@ -37,8 +37,8 @@ pub(crate) enum Command {
     Bench(BenchArgs),
     /// Integrate a sky for real-time shading: harmonics, irradiance, prefiltered cube, reflectance table
     Bake(BakeArgs),
-    /// Measure how far a picture is from its reference: FLIP, RMSE, relMSE, a report; ends with 3 above --max-flip
-    Compare(CompareArgs),
+    /// Measure how far a picture is from its reference, or a model's real-time picture from its path-traced one; ends with 3 above --max-flip
+    Compare(Box<CompareArgs>),
     /// Plot scattering models, put them to the laws of light, compare formulas
     Lab(LabArgs),
 }
@@ -429,7 +429,7 @@ fn bits(s: &str) -> Result<u8, String> {
     }
 }
 
-fn size(s: &str) -> Result<(u32, u32), String> {
+pub(crate) fn size(s: &str) -> Result<(u32, u32), String> {
     let parse = |p: &str| p.trim().parse().ok().filter(|v| (1..=65536).contains(v));
     s.split_once(['x', 'X', '×'])
         .and_then(|(w, h)| Some((parse(w)?, parse(h)?)))

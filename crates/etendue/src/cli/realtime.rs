@@ -101,7 +101,7 @@ fn refuse(args: &RenderArgs) -> Result<(), CliError> {
 }
 
 /// What `--preset` and then each `--choice` say.
-fn choices(args: &RenderArgs) -> Result<(Choices, Preset), CliError> {
+pub(crate) fn choices(args: &RenderArgs) -> Result<(Choices, Preset), CliError> {
     let preset = match &args.preset {
         Some(name) => name
             .parse::<Preset>()
@@ -116,7 +116,7 @@ fn choices(args: &RenderArgs) -> Result<(Choices, Preset), CliError> {
 }
 
 /// An error if a surface is of a model that the shading does not know.
-fn only_gltf(scene: &Scene) -> Result<(), CliError> {
+pub(crate) fn only_gltf(scene: &Scene) -> Result<(), CliError> {
     let other = scene.materials.iter().find_map(|m| match &m.substitute {
         Some(Substitute::Model(model)) => match **model {
             Model::Gltf(_) | Model::MetalRough(_) => None,

@@ -66,3 +66,26 @@ fn what_does_not_compare_is_told_apart() {
     lab.write("file", "x");
     lab.run("compare a.png a.png -o file").ends_with(1).says(&["cannot write file"]);
 }
+
+#[test]
+fn a_models_picture_stands_beside_its_path_traced_one() {
+    let lab = Lab::new();
+    let common = "compare --env 0.4,0.5,0.6 --size 32x32 -n 8 --realtime-samples 8 --quick";
+    let v = json(&lab.ok(&format!("{common} -o report --json")).out);
+    assert_eq!(v, json(&String::from_utf8(lab.bytes("report/report.json")).unwrap()));
+    assert_eq!((&v["kind"], &v["samples"]["reference"]), (&"model".into(), &8.into()));
+    let mean = |side: &str| v[side]["flip"]["mean"].as_f64().unwrap();
+    assert!(mean("shading") < mean("whole") && mean("whole") < 0.5, "{v:#}");
+    let page = String::from_utf8(lab.bytes("report/index.html")).unwrap();
+    assert!(page.contains("the built-in helmet, exact") && !page.contains("http"));
+    // The limit judges the picture, or the shading alone.
+    let limit = 0.5 * (mean("shading") + mean("whole"));
+    lab.run(&format!("{common} --quiet --max-flip {limit}")).ends_with(3).says(&["mean FLIP"]);
+    lab.ok(&format!("{common} --quiet --max-flip {limit} --light-only"));
+    // Mixtures and names that do not exist are wrong usage.
+    lab.run("compare a.png").ends_with(2).says(&["the one to compare with it"]);
+    lab.run("compare a.glb b.png").ends_with(2).says(&["one model, or two pictures"]);
+    lab.run("compare a.png b.png --env 1,1,1").ends_with(2).says(&["--env is for models"]);
+    lab.run("compare --ablations colour").ends_with(2).says(&["colour", "dfg"]);
+    lab.run("compare --preset best").ends_with(2).says(&["best", "filament"]);
+}
