@@ -2,6 +2,7 @@
 
 use crate::choices::{Choices, Lobe, Masking, Specular};
 use crate::film::Film;
+use crate::inputs::Part;
 use crate::sky_light::SkyLight;
 use crate::surface::unit;
 use etendue_bxdf::energy::{Albedo, Row};
@@ -136,7 +137,7 @@ impl Gloss {
         &self,
         frame: &Frame,
         sky: &SkyLight,
-        n: u32,
+        draws: Draws,
         film: Option<(&Film, [Spectrum; 2])>,
         factor: impl Fn(Vec3A) -> f32,
     ) -> Lit {
@@ -158,16 +159,15 @@ impl Gloss {
         }
         let mut out = Lit::default();
         let (mut white_straight, mut white_grazing) = (0.0, 0.0);
-        let inv = 1.0 / n as f32;
-        for i in 0..n {
-            let wi = self.ggx.sample_reflection(self.wo, lattice(i, inv));
+        let inv = 1.0 / draws.count as f32;
+        for u in draws.points() {
+            let wi = self.ggx.sample_reflection(self.wo, u);
             if !(wi.z > MIN_COS) {
                 continue;
             }
             let pair = self.ggx.pair(self.wo, wi);
-            let share = inv / pair.pdf;
-            let (light, lod) = sky.averaged(to_world(frame, wi), share);
-            let weight = pair.value * wi.z * share;
+            let (light, lod) = sky.averaged(to_world(frame, wi), draws.share() / pair.pdf);
+            let weight = pair.value * wi.z * inv / pair.pdf;
             let w = schlick_weight(pair.cos_half);
             let (w0, w90) = (weight * (1.0 - w), weight * w);
             let lit = light * factor(wi);
@@ -273,6 +273,35 @@ pub(crate) fn samples(specular: Specular) -> Option<u32> {
         Specular::SampledFew => Some(8),
         Specular::Sampled => Some(32),
         Specular::Exact => Some(1024),
+    }
+}
+
+/// The points of a lobe's lattice that one point of a pixel takes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Draws {
+    count: u32,
+    part: Part,
+}
+
+impl Draws {
+    /// Of `n` for the pixel, or more: fewer than eight would not tell a lobe's light from its reflectance.
+    #[inline(always)]
+    pub fn new(n: u32, part: Part) -> Self {
+        let part = Part { index: part.index % part.of.max(1), of: part.of.max(1) };
+        Self { count: (n / part.of).max(n.min(8)), part }
+    }
+
+    /// The part of the lobe that a point stands for: one over all points of the pixel.
+    #[inline(always)]
+    fn share(self) -> f32 {
+        1.0 / (self.count as f32 * self.part.of as f32)
+    }
+
+    #[inline(always)]
+    fn points(self) -> impl Iterator<Item = [f32; 2]> {
+        let share = self.share();
+        (0..self.count)
+            .map(move |i| lattice(i.wrapping_mul(self.part.of).wrapping_add(self.part.index), share))
     }
 }
 

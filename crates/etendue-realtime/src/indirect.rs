@@ -1,7 +1,7 @@
 //! Light from the sky.
 
 use crate::choices::{Choices, Coupling, Diffuse, Pi, SplitFresnel};
-use crate::gloss::{lattice, samples, to_world};
+use crate::gloss::{Draws, lattice, samples, to_world};
 use crate::layers::Fibres;
 use crate::lighting::Lighting;
 use crate::sky_light::SkyLight;
@@ -130,9 +130,10 @@ impl Place<'_> {
         match samples(self.choices.specular) {
             Some(n) => {
                 let film = s.film.as_ref().map(|f| (f, [s.f0, Spectrum::splat(s.f90)]));
+                let draws = Draws::new(n, s.part);
                 let lit = match &s.layers {
-                    None => s.gloss.sampled(frame, self.sky, n, film, |_| 1.0),
-                    Some(_) => s.gloss.sampled(frame, self.sky, n, film, |wi| s.specular_below(wi)),
+                    None => s.gloss.sampled(frame, self.sky, draws, film, |_| 1.0),
+                    Some(_) => s.gloss.sampled(frame, self.sky, draws, film, |wi| s.specular_below(wi)),
                 };
                 let light = match film {
                     Some(_) => lit.film * a,
@@ -171,7 +172,7 @@ impl Place<'_> {
         let (frame, [f0, f90]) = (coat.world_frame(frame), coat.ends());
         match samples(self.choices.specular) {
             Some(n) => {
-                let lit = gloss.sampled(&frame, self.sky, n, None, |_| 1.0);
+                let lit = gloss.sampled(&frame, self.sky, Draws::new(n, self.s.part), None, |_| 1.0);
                 lit.straight * f0 + lit.grazing * f90
             }
             None => {

@@ -4,6 +4,21 @@ use etendue_bxdf::{GltfParams, sampling::Frame};
 use etendue_color::Spectrum;
 use glam::Vec3A;
 
+/// Which of the samples of glossy lobes a point takes, where several points stand for one pixel: each takes its own, and together
+/// they are as fine as all. Choices without samples do not ask for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// This point's number among the pixel's, from 0.
+    pub index: u32,
+    /// How many points the pixel has, at least 1.
+    pub of: u32,
+}
+
+impl Part {
+    /// The pixel's only point.
+    pub const WHOLE: Self = Self { index: 0, of: 1 };
+}
+
 /// Everything that [`crate::shade()`] needs to know of a point of a surface, in world space.
 ///
 /// ```
@@ -36,6 +51,8 @@ pub struct Inputs {
     pub front: bool,
     /// `KHR_materials_unlit`: the base colour is the radiance.
     pub unlit: bool,
+    /// This point's share of the pixel's samples of glossy lobes.
+    pub part: Part,
 }
 
 impl Inputs {
@@ -54,6 +71,7 @@ impl Inputs {
             alpha: 1.0,
             front: true,
             unlit: false,
+            part: Part::WHOLE,
         }
     }
 

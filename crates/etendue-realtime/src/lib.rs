@@ -66,7 +66,7 @@ pub mod zonal;
 
 pub use around::{Around, Behind, Toward};
 pub use choices::{Ablation, ChoiceError, Choices, DfgSource};
-pub use inputs::Inputs;
+pub use inputs::{Inputs, Part};
 pub use light::{AreaLight, AreaShape, PunctualLight};
 pub use lighting::Lighting;
 pub use preset::Preset;

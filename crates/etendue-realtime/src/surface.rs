@@ -3,7 +3,7 @@
 use crate::choices::{Choices, Compensation, DfgSource, LeastRoughness};
 use crate::film::Film;
 use crate::gloss::Gloss;
-use crate::inputs::Inputs;
+use crate::inputs::{Inputs, Part};
 use crate::layers::Layers;
 use crate::transmit::Passing;
 use crate::zonal::{Bands, quadrature_bands};
@@ -20,6 +20,8 @@ use std::f32::consts::{FRAC_1_PI, PI};
 /// The base, metal and dielectric and what lies under the dielectric, and the layers above. Directions are in [`Inputs::frame`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface {
+    /// Which of the samples of glossy lobes are taken.
+    pub part: Part,
     /// The base's lobe; its `wo` is the direction to the viewer.
     pub gloss: Gloss,
     pub base_color: Spectrum,
@@ -150,6 +152,7 @@ impl Surface {
         // Coat and fibres lie outside of a volume that is seen from inside.
         let outside = inputs.front || !passing.is_some_and(|t| t.is_solid());
         let mut s = Self {
+            part: inputs.part,
             gloss,
             base_color,
             metallic,

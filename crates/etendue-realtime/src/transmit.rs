@@ -7,7 +7,7 @@
 
 use crate::around::{Around, Behind};
 use crate::choices::{Choices, Masking, Refraction};
-use crate::gloss::{Gloss, lattice, samples, to_world};
+use crate::gloss::{Draws, Gloss, lattice, samples, to_world};
 use crate::inputs::Inputs;
 use crate::lighting::Lighting;
 use crate::surface::{Surface, table, unit};
@@ -125,7 +125,8 @@ impl Passing {
         match samples(choices.specular) {
             None => factor * self.gloss.prefiltered(&over, sky, choices).0,
             Some(n) => {
-                let lit = self.gloss.sampled(&over, sky, n, None, |wi| s.specular_below(wi));
+                let lit =
+                    self.gloss.sampled(&over, sky, Draws::new(n, s.part), None, |wi| s.specular_below(wi));
                 let [passes, grazing] = match &s.film {
                     None => [1.0 - s.under[0], 1.0 - s.under[1]],
                     Some(film) => [1.0 - film.under(self.gloss.wo.z); 2],

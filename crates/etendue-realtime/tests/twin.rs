@@ -1,10 +1,13 @@
 //! The twin's pictures: on the same rays as the path tracer's, in order of depth, the same bits from any number of threads.
 
 use etendue_image::Development;
-use etendue_realtime::passes::{Pass, PassSet};
+use etendue_realtime::passes::{Display, Pass, PassSet};
 use etendue_realtime::{Choices, Frame, Lighting, Twin, TwinSettings};
 use etendue_render::{Counters, Renderer, Settings, World};
-use etendue_scene::{AlphaMode, Camera, Environment, Instance, Light, LightKind, Material, Mesh, Scene};
+use etendue_scene::{
+    AlphaMode, Camera, Environment, Extensions, Instance, Light, LightKind, Material, Mesh, Scene,
+    Transmission,
+};
 use glam::{Affine3A, Vec3, Vec4};
 
 fn add(scene: &mut Scene, mesh: Mesh, material: Material) {
@@ -124,6 +127,11 @@ fn terms_add_up_to_the_picture() {
     let normal = frame.pass(Pass::Normal, &develop).expect("recorded");
     let n = Vec3::from_slice(&normal[middle..middle + 3]);
     assert!((n.length() - 1.0).abs() < 0.02, "{n}");
+    for pass in frame.passes.iter().filter(|p| p.display() == Display::Share) {
+        let values = frame.pass(pass, &develop).expect("recorded");
+        assert!(values.iter().all(|v| (0.0..1.001).contains(v)), "{pass} is a share");
+        assert_eq!(values[0], 0.0, "{pass} where there is no surface");
+    }
     for pass in frame.passes.iter() {
         let (shown, _) = frame.display(pass, &develop).expect("recorded");
         assert_eq!((shown.width, shown.height), (40, 27), "{pass}");
@@ -229,4 +237,34 @@ fn a_white_sphere_under_a_white_sky_nearly_vanishes() {
         let worst = frame.beauty().map(|p| (p[1] - 1.0).abs()).fold(0.0, f32::max);
         assert!(worst < most, "metal {metallic}, roughness {roughness}: {worst}");
     }
+}
+
+/// Clear glass before a red sheet: red, less what the glass reflects; and a second pane is not seen through the first.
+#[test]
+fn what_is_behind_is_seen_through() {
+    let seen = |panes: usize, refraction: &str| {
+        let mut s = Scene::default();
+        add(&mut s, sheet(0.0), unlit(Vec3::new(0.8, 0.1, 0.1)));
+        for i in 0..panes {
+            let extensions = Extensions {
+                transmission: Some(Transmission { factor: 1.0, texture: None }),
+                ..Extensions::default()
+            };
+            let pane = Material {
+                metallic: 0.0,
+                roughness: 0.0,
+                extensions: Some(Box::new(extensions)),
+                ..Material::default()
+            };
+            add(&mut s, sheet(0.5 + 0.2 * i as f32), pane);
+        }
+        let choices: Choices = refraction.parse().expect("a choice");
+        draw(s, choices, settings(5, 5, 2)).beauty().nth(12).expect("the middle")
+    };
+    for panes in [1, 2] {
+        let [r, g, _, a] = seen(panes, "refraction=scene");
+        assert!((r - 0.8 * 0.96).abs() < 2e-3 && (g - 0.1 * 0.96).abs() < 1e-3 && a == 1.0, "{r} {g} {a}");
+    }
+    // There is no sky to be seen instead.
+    assert_eq!(seen(1, "refraction=sky")[0], 0.0);
 }

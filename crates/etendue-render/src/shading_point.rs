@@ -5,7 +5,7 @@
 //! of one point differ in the model only.
 
 use crate::lookup::Lookup;
-use crate::surface::{Surface, emitted_below};
+use crate::surface::{Surface, emitted};
 use crate::world::World;
 use etendue_bxdf::gltf::GltfParams;
 use etendue_bxdf::math::{exp2, ln};
@@ -46,7 +46,7 @@ pub struct ShadingPoint {
     pub params: GltfParams,
     /// Ambient occlusion, 0 none gets here .. 1 all.
     pub occlusion: f32,
-    /// Emitted radiance below any coat, zero on the back of a one-sided surface; of an unlit surface its colour.
+    /// Emitted radiance towards the viewer, through any coat, zero on the back of a one-sided surface; of an unlit surface its colour.
     pub emission: Spectrum,
     /// Part of the light that meets the surface at all, 0..1; the rest passes (`alphaMode` "BLEND").
     pub alpha: f32,
@@ -154,7 +154,8 @@ impl World {
         let emission = match () {
             _ if unlit => surface.base_color(self, hit, m),
             _ if m.is_emissive() && (surface.front || m.double_sided) => {
-                emitted_below(self, m, hit.instance, &mut surface.lookup)
+                let cos = surface.geometric.dot(surface.wo);
+                emitted(self, m, hit.instance, &mut surface.lookup, cos)
             }
             _ => Spectrum::ZERO,
         };

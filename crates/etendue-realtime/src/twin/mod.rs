@@ -15,7 +15,7 @@ mod point;
 pub use frame::Frame;
 
 use crate::choices::Choices;
-use crate::inputs::Inputs;
+use crate::inputs::{Inputs, Part};
 use crate::lighting::Lighting;
 use crate::passes::{Pass, PassSet};
 use crate::shade::shade;
@@ -135,6 +135,7 @@ impl<'a> Twin<'a> {
     fn layers(
         &self,
         mut ray: Ray,
+        part: Part,
         rays: &[Cell<u64>; 2],
         skip: impl Fn(&ShadingPoint) -> bool,
         mut each: impl FnMut(&ShadingPoint, &Inputs, f32),
@@ -149,7 +150,7 @@ impl<'a> Twin<'a> {
             if skip(&p) {
                 continue;
             }
-            each(&p, &point::inputs(&p, direction), left * p.alpha);
+            each(&p, &point::inputs(&p, direction, part), left * p.alpha);
             left *= 1.0 - p.alpha;
             if left < NOTHING_LEFT {
                 return 0.0;
@@ -164,13 +165,17 @@ impl<'a> Twin<'a> {
         let sampler = Sampler::new(self.settings.seed, x, y, index);
         let (origin, direction) = self.rays.sample([x, y], &sampler);
         let mut out = Sample::default();
+        // Sums begin at nothing; a point of its own is open.
+        (out.values.occlusion, out.values.specular_occlusion) = (0.0, 0.0);
         let [u0, u1, ..] = sampler.get4(1);
+        let part = Part { index, of: self.settings.samples };
         let left = self.layers(
             Ray::new(origin, direction),
+            part,
             rays,
             |_| false,
             |p, inputs, weight| {
-                let around = Neighbourhood { twin: self, point: p, lobe: Some([u0, u1]), rays };
+                let around = Neighbourhood { twin: self, point: p, part, lobe: Some([u0, u1]), rays };
                 let shaded = shade(inputs, self.lighting, &self.choices, &around);
                 out.add::<PASSES>(&shaded, p, weight);
             },

@@ -2,6 +2,7 @@
 
 use super::Twin;
 use crate::around::{Around, Behind, Toward};
+use crate::inputs::Part;
 use crate::shade::shade;
 use etendue_bxdf::math::sin_cos_tau;
 use etendue_bxdf::sampling::Frame;
@@ -15,6 +16,8 @@ use std::cell::Cell;
 pub(super) struct Neighbourhood<'a> {
     pub twin: &'a Twin<'a>,
     pub point: &'a ShadingPoint,
+    /// The point's share of the pixel.
+    pub part: Part,
     /// Two numbers in [0, 1) of this sample, which choose a direction out of a rough surface's lobe; `None` where the point is itself
     /// seen through a surface: then nothing more is.
     pub lobe: Option<[f32; 2]>,
@@ -46,6 +49,7 @@ impl Around for Neighbourhood<'_> {
         let mut seen = Spectrum::ZERO;
         let left = self.twin.layers(
             Ray::new(at.point, direction),
+            self.part,
             self.rays,
             |p| p.params.transmission > 0.0,
             |p, inputs, weight| {

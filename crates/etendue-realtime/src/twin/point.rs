@@ -1,13 +1,13 @@
 //! A point of the renderer's as the shading model takes it.
 
-use crate::inputs::Inputs;
+use crate::inputs::{Inputs, Part};
 use etendue_bxdf::sampling::Frame;
 use etendue_render::ShadingPoint;
 use glam::Vec3A;
 
-/// The inputs of a point that is seen along `direction` (unit).
+/// The inputs of a point that is seen along `direction` (unit) by one of a pixel's samples.
 #[inline(always)]
-pub(super) fn inputs(p: &ShadingPoint, direction: Vec3A) -> Inputs {
+pub(super) fn inputs(p: &ShadingPoint, direction: Vec3A, part: Part) -> Inputs {
     let f = &p.frame;
     Inputs {
         position: p.position,
@@ -21,5 +21,6 @@ pub(super) fn inputs(p: &ShadingPoint, direction: Vec3A) -> Inputs {
         alpha: p.alpha,
         front: p.front,
         unlit: p.unlit,
+        part,
     }
 }
