@@ -325,7 +325,8 @@ fn claimed_albedo_is_near_the_integral() {
     });
     for ((p, angle), (exact, claimed)) in cells.iter().zip(&got) {
         let error = (*exact - *claimed).map(f32::abs).to_rgb().into_iter().fold(0.0, f32::max);
-        assert!(error < 2e-3, "{angle}°: {exact:?}, claimed {claimed:?}\n{p:?}");
+        let bound = if p.thin_film_weight > 0.0 { 1e-2 } else { 2e-3 };
+        assert!(error < bound, "{angle}°: {exact:?}, claimed {claimed:?}\n{p:?}");
     }
 }
 
