@@ -108,7 +108,8 @@ impl<'a> Accessors<'a> {
                 ),
             ));
         }
-        let pointer = || format!("/accessors/{index}");
+        let shown = accessor.origin.unwrap_or(index);
+        let pointer = || format!("/accessors/{shown}");
         // Vertices are counted in 32 bits everywhere after this.
         if accessor.count > u32::MAX.into() {
             return Err(Fault::invalid(
@@ -117,15 +118,17 @@ impl<'a> Accessors<'a> {
             ));
         }
         let size = accessor.shape.size(accessor.component);
-        let base = match accessor.buffer_view {
-            None => None,
-            Some(v) => {
+        let base = match (accessor.decoded, accessor.buffer_view) {
+            // As many elements as the accessor says, by construction.
+            (Some(n), _) => Some((&self.buffers.decoded_attributes[n as usize][..], size as usize)),
+            (None, None) => None,
+            (None, Some(v)) => {
                 let bytes = self.buffers.view(self.doc, v, || format!("{}/bufferView", pointer()))?;
                 let stride = self.doc.buffer_views[v as usize].byte_stride.unwrap_or(size);
                 if stride < size {
                     return Err(Fault::invalid(
                         format!("/bufferViews/{v}/byteStride"),
-                        format!("a stride of {stride} bytes for elements of {size} (accessor {index})"),
+                        format!("a stride of {stride} bytes for elements of {size} (accessor {shown})"),
                     ));
                 }
                 let bytes = span(bytes, accessor.byte_offset, accessor.count, stride, size).ok_or_else(|| {
@@ -145,14 +148,14 @@ impl<'a> Accessors<'a> {
         };
         let overlay = match &accessor.sparse {
             Some(s) => {
-                let pointer = || format!("/accessors/{index}/sparse");
+                let pointer = || format!("/accessors/{shown}/sparse");
                 let overlay = self.overlay(s, size, pointer)?;
                 self.buffers.once(index, || overlay.check(accessor.count, pointer))?;
                 Some(overlay)
             }
             None => None,
         };
-        Ok(Elements { index, accessor, base, overlay })
+        Ok(Elements { index: shown, accessor, base, overlay })
     }
 
     fn overlay(&self, s: &Sparse, size: u64, pointer: impl Fn() -> String) -> Result<Overlay<'a>, Fault> {
@@ -205,11 +208,6 @@ impl Elements<'_> {
     /// Whether integers stand for 0..1 or −1..1.
     pub fn normalized(&self) -> bool {
         self.accessor.normalized
-    }
-
-    /// Whether there are any data: an accessor without a buffer view and without sparse values is all zero.
-    pub fn has_data(&self) -> bool {
-        self.base.is_some() || self.overlay.is_some()
     }
 
     /// JSON pointer to the accessor.

@@ -19,6 +19,8 @@ pub(crate) struct Buffers<'a> {
     of_buffer: Vec<Option<usize>>,
     /// Bytes read from files beside the model.
     pub external: u64,
+    /// Elements of accessors whose primitives are compressed.
+    pub decoded_attributes: Vec<Vec<u8>>,
     /// The content of compressed views.
     decoded: HashMap<u32, Vec<u8>>,
     /// Per accessor: whether its sparse indices have been found good.
@@ -37,6 +39,7 @@ impl<'a> Buffers<'a> {
             blocks: Vec::new(),
             of_buffer: vec![None; doc.buffers.len()],
             external: 0,
+            decoded_attributes: Vec::new(),
             decoded: HashMap::new(),
             checked: doc.accessors.iter().map(|_| AtomicBool::new(false)).collect(),
         };

@@ -31,7 +31,6 @@ pub(crate) const VOLUME: &str = "KHR_materials_volume";
 pub(crate) const ON_ACCESSOR: [&str; 0] = [];
 pub(crate) const ON_BUFFER_VIEW: [&str; 2] = [EXT_MESHOPT, KHR_MESHOPT];
 pub(crate) const ON_ROOT: [&str; 2] = [LIGHTS_PUNCTUAL, VARIANTS];
-/// Draco's own errors are more precise than a warning.
 pub(crate) const ON_PRIMITIVE: [&str; 2] = [DRACO, VARIANTS];
 pub(crate) const ON_MATERIAL: [&str; 13] = [
     UNLIT,
@@ -82,6 +81,7 @@ const TABLE: &[(&str, Support)] = &[
     (CLEARCOAT, Support::Full),
     (DIFFUSE_TRANSMISSION, Support::Full),
     (DISPERSION, Support::Full),
+    (DRACO, Support::Full),
     (EMISSIVE_STRENGTH, Support::Full),
     (EXT_MESHOPT, Support::Full),
     (GPU_INSTANCING, Support::Full),
@@ -104,7 +104,6 @@ const TABLE: &[(&str, Support)] = &[
     ("KHR_node_visibility", Support::Ignored),
     ("KHR_xmp", Support::Ignored),
     ("KHR_xmp_json_ld", Support::Ignored),
-    (DRACO, Support::Refused),
     ("MSFT_texture_dds", Support::Refused),
 ];
 
@@ -123,11 +122,10 @@ pub(crate) fn check_required(required: &[&str], warnings: &mut Warnings) -> Resu
         .take(16)
         .collect();
     if !refused.is_empty() {
-        let hint = if refused.contains(&DRACO) { "; export the model without mesh compression" } else { "" };
         return Err(Fault::Unsupported {
             pointer: "/extensionsRequired".into(),
             what: refused.join(", "),
-            hint: hint.into(),
+            hint: String::new(),
         });
     }
     for name in required.iter().filter(|n| support(n) == Some(Support::Ignored)) {

@@ -4,6 +4,7 @@ use crate::accessor::Accessors;
 use crate::animation::{AnimationChoice, Pose};
 use crate::buffers::Buffers;
 use crate::document::Document;
+use crate::draco;
 use crate::error::{Fault, ImportError};
 use crate::geometry::Job;
 use crate::info::Info;
@@ -86,7 +87,7 @@ fn run(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptions)
     }
     let tree = json::parse(parts.json, &mut warnings)?;
     let mut reader = Reader::new(warnings);
-    let doc = Document::read(&mut reader, &tree, limits)?;
+    let mut doc = Document::read(&mut reader, &tree, limits)?;
     let mut warnings = reader.warnings;
     let hierarchy = Hierarchy::new(&doc, limits)?;
     let visible = hierarchy.visible(&doc, &mut warnings)?;
@@ -94,6 +95,7 @@ fn run(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptions)
     let mut buffers = Buffers::load(&doc, parts.binary, &source, &mut warnings)?;
     let mut budget = Budget::new(limits, bytes.len() as u64 + buffers.external);
     buffers.decompress(&doc, &mut budget)?;
+    draco::expand(&mut doc, &mut buffers, &mut budget, &mut warnings)?;
     let accessors = Accessors { doc: &doc, buffers: &buffers };
 
     let pose = match options.at {

@@ -14,7 +14,7 @@
 //!
 //! 1. `glb` splits the container, `json` and `document` read the JSON into typed values; faults carry a JSON pointer.
 //! 2. `nodes` checks that the hierarchy is a forest; `buffers` loads the bytes and decodes compressed views
-//!    ([`meshopt`]); `accessor` opens typed arrays in them, each checked to lie within its buffer before anything is read.
+//!    ([`meshopt`]); [`draco`] decodes compressed primitives; `accessor` opens typed arrays in them, each checked to lie within its buffer before anything is read.
 //! 3. `animation` evaluates the pose; `plan` walks the visible nodes and notes which meshes have to be built, in which
 //!    state of morphing and skinning, for which materials (the own one and those of variants: `material`, `surface`), and
 //!    where they stand. Equal meshes are built once. Here
@@ -34,6 +34,7 @@ mod animation;
 mod buffers;
 mod clean;
 mod document;
+pub mod draco;
 mod error;
 mod extensions;
 mod geometry;

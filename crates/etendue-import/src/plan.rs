@@ -258,13 +258,6 @@ impl<'a> Plan<'a> {
         }
         let from = || format!("{pointer}/attributes/POSITION");
         let positions = self.accessors.open(position, "POSITION", &[Shape::Vec3], from)?;
-        if p.draco && !positions.has_data() {
-            return Err(Fault::Unsupported {
-                pointer: format!("{pointer}/extensions/KHR_draco_mesh_compression"),
-                what: "KHR_draco_mesh_compression".into(),
-                hint: "; export the model without mesh compression".into(),
-            });
-        }
         if positions.component() == Component::U32 {
             return Err(Fault::invalid(from(), "positions of unsigned 32-bit integers are not allowed"));
         }

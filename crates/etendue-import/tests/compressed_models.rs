@@ -97,3 +97,17 @@ fn meshopt_duck() {
     let step = |extent: f32| extent / 4095.0;
     compare("meshopt, 12 bits", &b, &a, [step(size) * 0.87 * 1.01, 0.01, step(uv.max(1.0)) * 0.71 * 1.01]);
 }
+
+/// The files were made with 11 bits of positions, 10 of texture coordinates and 8 of normals.
+#[test]
+fn draco_duck_and_box() {
+    for (plain, compressed) in
+        [("Duck/Duck.glb", "Duck-glTF-Draco/Duck.gltf"), ("Box/Box.glb", "Box-glTF-Draco/Box.gltf")]
+    {
+        let (Some(a), Some(b)) = (triangles(plain), triangles(compressed)) else { return };
+        let (size, uv) = extent(&a);
+        let step = |extent: f32, bits: u32| extent / ((1 << bits) - 1) as f32;
+        let bounds = [step(size, 11) * 0.87 * 1.01, 0.03, step(uv.max(1e-3), 10) * 0.71 * 1.01];
+        compare(compressed, &b, &a, bounds);
+    }
+}

@@ -197,6 +197,7 @@ impl Shape {
 }
 
 /// Elements that differ from the accessor's own.
+#[derive(Clone)]
 pub(crate) struct Sparse {
     pub count: u64,
     pub indices_view: u32,
@@ -231,6 +232,7 @@ impl Sparse {
 }
 
 /// A typed array in a buffer view. `min` and `max` are hints that nothing here relies on; they are not read.
+#[derive(Clone)]
 pub(crate) struct Accessor {
     pub buffer_view: Option<u32>,
     pub byte_offset: u64,
@@ -239,6 +241,10 @@ pub(crate) struct Accessor {
     pub count: u64,
     pub shape: Shape,
     pub sparse: Option<Box<Sparse>>,
+    /// Where its elements are, if they were decoded from a compressed primitive: they stand without gaps.
+    pub decoded: Option<u32>,
+    /// The file's accessor that it stands for, if it is none itself.
+    pub origin: Option<u32>,
 }
 
 impl Accessor {
@@ -253,6 +259,8 @@ impl Accessor {
             count: r.req(o, "count", Reader::count)?,
             shape: r.req(o, "type", Shape::read)?,
             sparse: r.opt(o, "sparse", |r, v| Sparse::read(r, v).map(Box::new))?,
+            decoded: None,
+            origin: None,
         })
     }
 }

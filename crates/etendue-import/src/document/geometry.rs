@@ -49,8 +49,14 @@ pub(crate) struct Primitive<'v> {
     pub targets: Vec<Target>,
     /// Other materials, by variant (`KHR_materials_variants`).
     pub mappings: Vec<Mapping>,
-    /// Whether the real data are compressed by `KHR_draco_mesh_compression` and the accessors are the fallback.
-    pub draco: bool,
+    /// Its compressed form (`KHR_draco_mesh_compression`).
+    pub draco: Option<Draco<'v>>,
+}
+
+/// Where a primitive's compressed data are, and which of their attributes are which.
+pub(crate) struct Draco<'v> {
+    pub buffer_view: u32,
+    pub attributes: Attributes<'v>,
 }
 
 impl<'v> Primitive<'v> {
@@ -76,7 +82,12 @@ impl<'v> Primitive<'v> {
                 })
             })?,
             mappings: variants::mappings(r, o)?,
-            draco: r.extension(o, extensions::DRACO, |_, _| Ok(()))?.is_some(),
+            draco: r.extension(o, extensions::DRACO, |r, o| {
+                Ok(Draco {
+                    buffer_view: r.req(o, "bufferView", Reader::index)?,
+                    attributes: r.req(o, "attributes", |r, v| r.entries(v, Reader::index))?,
+                })
+            })?,
         })
     }
 
