@@ -1,132 +1,60 @@
-//! A small writer of binary glTF 2.0: meshes, textured metal-rough materials, a flat list of nodes.
+//! The helmet's glTF: its parts put into the document that the importer's room writes.
 
 use crate::shape::Mesh;
+use etendue_import::write::{Document, ExportError, Sampling};
+use etendue_scene::Sampler;
 use glam::Mat4;
 use serde_json::{Value, json};
-use std::collections::HashMap;
 
-/// Collects a glTF document and its one binary chunk.
+/// Collects textured metal-rough materials, meshes, and a flat list of nodes.
 pub struct Gltf {
-    bin: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
-    meshes: Vec<Value>,
-    materials: Vec<Value>,
-    images: Vec<Value>,
-    textures: Vec<Value>,
-    nodes: Vec<Value>,
-    extensions: Vec<&'static str>,
-    shared: HashMap<Vec<u8>, usize>,
+    doc: Document,
+    nodes: Vec<usize>,
 }
 
-/// glTF's name for an array buffer and an index buffer.
-const ARRAY: u32 = 34962;
-const INDICES: u32 = 34963;
+const EMISSIVE_STRENGTH: &str = "KHR_materials_emissive_strength";
 
 impl Gltf {
     /// An empty document.
     pub fn new() -> Self {
-        Self {
-            bin: Vec::new(),
-            views: Vec::new(),
-            accessors: Vec::new(),
-            meshes: Vec::new(),
-            materials: Vec::new(),
-            images: Vec::new(),
-            textures: Vec::new(),
-            nodes: Vec::new(),
-            extensions: Vec::new(),
-            shared: HashMap::new(),
-        }
-    }
-
-    fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
-        while !self.bin.len().is_multiple_of(4) {
-            self.bin.push(0);
-        }
-        let mut v = json!({ "buffer": 0, "byteOffset": self.bin.len(), "byteLength": bytes.len() });
-        if let Some(t) = target {
-            v["target"] = json!(t);
-        }
-        self.bin.extend_from_slice(bytes);
-        self.views.push(v);
-        self.views.len() - 1
-    }
-
-    fn floats(&mut self, kind: &str, values: &[f32], bounds: Option<(Vec<f32>, Vec<f32>)>) -> usize {
-        let n = match kind {
-            "VEC2" => 2,
-            "VEC4" => 4,
-            _ => 3,
-        };
-        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-        let view = self.view(&bytes, Some(ARRAY));
-        let mut a =
-            json!({ "bufferView": view, "componentType": 5126, "count": values.len() / n, "type": kind });
-        if let Some((min, max)) = bounds {
-            a["min"] = json!(min);
-            a["max"] = json!(max);
-        }
-        self.accessors.push(a);
-        self.accessors.len() - 1
+        Self { doc: Document::new("etendue-builtin"), nodes: Vec::new() }
     }
 
     /// Adds a picture file (PNG or JPEG) and a repeating, trilinear texture of it; returns the texture. The same bytes are
     /// stored once.
-    pub fn texture(&mut self, name: &str, mime: &str, file: &[u8]) -> usize {
-        if let Some(&t) = self.shared.get(file) {
-            return t;
-        }
-        let view = self.view(file, None);
-        self.images.push(json!({ "bufferView": view, "mimeType": mime, "name": name }));
-        self.textures.push(json!({ "source": self.images.len() - 1, "sampler": 0, "name": name }));
-        self.shared.insert(file.to_vec(), self.textures.len() - 1);
-        self.textures.len() - 1
+    pub fn texture(&mut self, name: &str, mime: &'static str, file: &[u8]) -> usize {
+        let image = self.doc.image(name, mime, file);
+        self.doc.texture(name, image, Sampling::of(&Sampler::default()))
     }
 
     /// Adds a material as it stands in the file; returns its index.
     pub fn material(&mut self, material: Value) -> usize {
-        if material["extensions"]["KHR_materials_emissive_strength"].is_object()
-            && !self.extensions.contains(&"KHR_materials_emissive_strength")
-        {
-            self.extensions.push("KHR_materials_emissive_strength");
+        if material["extensions"][EMISSIVE_STRENGTH].is_object() {
+            self.doc.uses(EMISSIVE_STRENGTH);
         }
-        self.materials.push(material);
-        self.materials.len() - 1
+        self.doc.material(material)
     }
 
     /// Adds a mesh of (geometry, material) primitives; returns its index.
     pub fn mesh(&mut self, name: &str, primitives: &[(&Mesh, usize)]) -> usize {
-        let list: Vec<Value> = primitives.iter().map(|(m, material)| self.primitive(m, *material)).collect();
-        self.meshes.push(json!({ "name": name, "primitives": list }));
-        self.meshes.len() - 1
+        let list = primitives.iter().map(|(m, material)| self.primitive(m, *material)).collect();
+        self.doc.mesh(name, list)
     }
 
     fn primitive(&mut self, m: &Mesh, material: usize) -> Value {
         let m = without_unused(m);
-        let (mut min, mut max) = (m.pos[0], m.pos[0]);
-        for p in &m.pos {
-            (min, max) = (min.min(*p), max.max(*p));
-        }
-        let flat = |v: &[glam::Vec3]| v.iter().flat_map(|p| p.to_array()).collect::<Vec<_>>();
-        let bounds = Some((min.to_array().to_vec(), max.to_array().to_vec()));
-        let position = self.floats("VEC3", &flat(&m.pos), bounds);
-        let normal = self.floats("VEC3", &flat(&m.nrm), None);
-        let uv = self.floats("VEC2", &m.uv.iter().flat_map(|t| t.to_array()).collect::<Vec<_>>(), None);
-        let bytes: Vec<u8> = m.idx.iter().flat_map(|i| (*i as u16).to_le_bytes()).collect();
-        assert!(m.pos.len() < 65_535, "a primitive's vertices are counted in 16 bits");
-        let view = self.view(&bytes, Some(INDICES));
-        self.accessors.push(
-            json!({ "bufferView": view, "componentType": 5123, "count": m.idx.len(), "type": "SCALAR" }),
-        );
-        let indices = self.accessors.len() - 1;
-        let mut attributes = json!({ "POSITION": position, "NORMAL": normal, "TEXCOORD_0": uv });
         // Tangents serve normal maps alone.
-        if self.materials[material]["normalTexture"].is_object() {
-            let tangents: Vec<f32> = m.tangents().iter().flat_map(|t| t.to_array()).collect();
-            attributes["TANGENT"] = json!(self.floats("VEC4", &tangents, None));
-        }
-        json!({ "attributes": attributes, "indices": indices, "material": material })
+        let bumpy = self.doc.materials()[material]["normalTexture"].is_object();
+        let mut p = self.doc.primitive(&etendue_scene::Mesh {
+            tangents: if bumpy { m.tangents() } else { Vec::new() },
+            indices: m.idx.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+            positions: m.pos,
+            normals: m.nrm,
+            uvs: vec![m.uv],
+            ..etendue_scene::Mesh::default()
+        });
+        p["material"] = json!(material);
+        p
     }
 
     /// Adds a node that shows a mesh at a place without scale or shear.
@@ -137,48 +65,18 @@ impl Gltf {
             node["translation"] = json!(t.to_array());
             node["rotation"] = json!(r.normalize().to_array());
         }
-        self.nodes.push(node);
+        self.nodes.push(self.doc.node(node));
     }
 
     /// The file. All nodes become children of one root named `name`, moved by `offset` metres upward.
-    pub fn finish(mut self, name: &str, offset: f32) -> Vec<u8> {
-        let children: Vec<usize> = (0..self.nodes.len()).collect();
-        self.nodes.push(json!({ "name": name, "children": children, "translation": [0.0, offset, 0.0] }));
-        while !self.bin.len().is_multiple_of(4) {
-            self.bin.push(0);
-        }
-        let mut doc = json!({
-            "asset": { "version": "2.0", "generator": "etendue-builtin" },
-            "scene": 0,
-            "scenes": [{ "name": name, "nodes": [self.nodes.len() - 1] }],
-            "nodes": self.nodes,
-            "meshes": self.meshes,
-            "materials": self.materials,
-            "textures": self.textures,
-            "images": self.images,
-            "samplers": [{ "magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497 }],
-            "accessors": self.accessors,
-            "bufferViews": self.views,
-            "buffers": [{ "byteLength": self.bin.len() }]
-        });
-        if !self.extensions.is_empty() {
-            doc["extensionsUsed"] = json!(self.extensions);
-        }
-        let mut text = doc.to_string().into_bytes();
-        while !text.len().is_multiple_of(4) {
-            text.push(b' ');
-        }
-        let total = 12 + 8 + text.len() + 8 + self.bin.len();
-        let mut out = Vec::with_capacity(total);
-        for word in [0x4654_6c67, 2, total as u32, text.len() as u32, 0x4e4f_534a] {
-            out.extend_from_slice(&u32::to_le_bytes(word));
-        }
-        out.extend_from_slice(&text);
-        for word in [self.bin.len() as u32, 0x004e_4942] {
-            out.extend_from_slice(&u32::to_le_bytes(word));
-        }
-        out.extend_from_slice(&self.bin);
-        out
+    ///
+    /// # Errors
+    /// If it has more bytes than a GLB can hold.
+    pub fn finish(mut self, name: &str, offset: f32) -> Result<Vec<u8>, ExportError> {
+        let root = json!({ "name": name, "children": self.nodes, "translation": [0.0, offset, 0.0] });
+        let root = self.doc.node(root);
+        self.doc.scene(Some(name), vec![root]);
+        self.doc.glb()
     }
 }
 

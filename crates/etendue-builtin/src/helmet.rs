@@ -250,7 +250,7 @@ pub fn helmet() -> Vec<u8> {
     let primitives: Vec<_> = rim.iter().map(|m| (*m, rim_material)).collect();
     let rim_index = g.mesh("rim", &primitives);
     g.node("rim", rim_index, Mat4::IDENTITY);
-    g.finish("helmet", -floor)
+    g.finish("helmet", -floor).expect("a few megabytes")
 }
 
 #[cfg(test)]

@@ -46,12 +46,17 @@ fn drop_bad_triangles(m: &mut Mesh, pointer: &str, warnings: &mut Warnings) {
     let dropped = before - m.indices.len();
     warnings.add(pointer, format!("{dropped} triangles with positions that are not finite; left out"));
     if let Some(used) = compact(&mut m.indices, m.positions.len()) {
-        pick(&mut m.positions, &used);
-        pick(&mut m.normals, &used);
-        pick(&mut m.tangents, &used);
-        pick(&mut m.colors, &used);
-        m.uvs.iter_mut().for_each(|uv| pick(uv, &used));
+        keep_vertices(m, &used);
     }
+}
+
+/// Leaves the vertices `used`, in that order; the indices are the caller's.
+pub(crate) fn keep_vertices(m: &mut Mesh, used: &[u32]) {
+    pick(&mut m.positions, used);
+    pick(&mut m.normals, used);
+    pick(&mut m.tangents, used);
+    pick(&mut m.colors, used);
+    m.uvs.iter_mut().for_each(|uv| pick(uv, used));
 }
 
 fn pick<T: Copy>(list: &mut Vec<T>, which: &[u32]) {

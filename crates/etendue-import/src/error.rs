@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 /// Why a file could not be turned into a scene.
 ///
-/// Every variant names the file; `pointer` is a JSON pointer (RFC 6901) into the glTF document, empty for its root.
+/// Every variant names the file; `pointer` is a JSON pointer (RFC 6901) into the glTF document, empty for its root, or for
+/// other formats the place in words.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImportError {
@@ -35,13 +36,23 @@ pub enum ImportError {
         /// What the operating system said, or why the place may not be read.
         reason: Box<str>,
     },
-    /// The bytes are not a GLB container, or a damaged one.
+    /// The bytes are no format that is known, or a damaged file of one.
     #[error("{file}: byte {offset}: {message}")]
     Container {
         /// The model.
         file: String,
         /// Where in the file.
         offset: u64,
+        /// What is wrong there.
+        message: String,
+    },
+    /// A line of a text file (OBJ, PLY, STL) does not parse or contradicts others.
+    #[error("{file}: line {line}: {message}")]
+    Line {
+        /// The model.
+        file: String,
+        /// From 1.
+        line: u64,
         /// What is wrong there.
         message: String,
     },
@@ -120,6 +131,7 @@ pub enum ImportError {
 pub(crate) enum Fault {
     Missing { pointer: String, what: &'static str, uri: String, looked_for: PathBuf, reason: String },
     Container { offset: u64, message: String },
+    Line { line: u64, message: String },
     Json { line: usize, column: usize, message: String },
     Invalid { pointer: String, message: String },
     Image { pointer: String, image: String, message: String },
@@ -133,11 +145,22 @@ impl Fault {
         Self::Invalid { pointer: pointer.into(), message: message.into() }
     }
 
+    /// Something wrong in a line of text.
+    pub fn line(line: u64, message: impl Into<String>) -> Self {
+        Self::Line { line, message: message.into() }
+    }
+
+    /// Something wrong at a byte of the file.
+    pub fn byte(offset: u64, message: impl Into<String>) -> Self {
+        Self::Container { offset, message: message.into() }
+    }
+
     /// What is wrong, without the place; used where a fault is harmless and becomes a warning.
     pub fn message(&self) -> String {
         match self {
             Self::Missing { uri, .. } => format!("`{uri}` was not found"),
             Self::Container { message, .. }
+            | Self::Line { message, .. }
             | Self::Json { message, .. }
             | Self::Invalid { message, .. }
             | Self::Image { message, .. } => message.clone(),
@@ -160,6 +183,7 @@ impl Fault {
                 reason: reason.into(),
             },
             Self::Container { offset, message } => ImportError::Container { file, offset, message },
+            Self::Line { line, message } => ImportError::Line { file, line, message },
             Self::Json { line, column, message } => ImportError::Json { file, line, column, message },
             Self::Invalid { pointer, message } => ImportError::Invalid { file, pointer, message },
             Self::Image { pointer, image, message } => ImportError::Image { file, pointer, image, message },

@@ -42,7 +42,7 @@ impl TangentSpace {
         Self { uv_set, transform: transform.to_cols_array().map(f32::to_bits) }
     }
 
-    fn transform(&self) -> Affine2 {
+    pub fn transform(&self) -> Affine2 {
         let m = self.transform.map(f32::from_bits);
         Affine2 {
             matrix2: Mat2::from_cols(Vec2::new(m[0], m[1]), Vec2::new(m[2], m[3])),

@@ -12,15 +12,17 @@ use crate::json::{self, Reader};
 use crate::limits::{Budget, Limits};
 use crate::nodes::{self, Hierarchy};
 use crate::plan::Plan;
+use crate::sizes::Sizes;
 use crate::source::{ReadError, Source, read_file};
 use crate::texture;
 use crate::warning::{Warning, Warnings};
-use crate::{glb, skin};
+use crate::{door, glb, skin, unusual};
 use etendue_scene::{Mesh, Scene};
 use glam::{Affine3A, DAffine3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::path::Path;
+use std::sync::Arc;
 
 /// What to import, and how much it may take.
 #[derive(Clone, Debug)]
@@ -31,13 +33,21 @@ pub struct ImportOptions {
     pub animation: AnimationChoice,
     /// Whether occlusion and thickness textures are loaded. Light transport computes both itself and can do without them.
     pub occlusion: bool,
+    /// Whether [`Imported::image_files`] is filled: for those who write the pictures again.
+    pub image_files: bool,
     /// Bounds on memory.
     pub limits: Limits,
 }
 
 impl Default for ImportOptions {
     fn default() -> Self {
-        Self { at: None, animation: AnimationChoice::First, occlusion: true, limits: Limits::default() }
+        Self {
+            at: None,
+            animation: AnimationChoice::First,
+            occlusion: true,
+            image_files: false,
+            limits: Limits::default(),
+        }
     }
 }
 
@@ -50,9 +60,30 @@ pub struct Imported {
     pub warnings: Vec<Warning>,
     /// What the file contains.
     pub info: Info,
+    /// The files that [`Scene::images`] were decoded from, in the same order, if the options ask for them; `None` for a
+    /// picture that was made on the way. Empty otherwise.
+    pub image_files: Vec<Option<ImageFile>>,
 }
 
-/// Reads the glTF or GLB file at `path`, and the buffers and images that it refers to.
+/// The bytes of a picture as it stood in the model or beside it.
+#[derive(Clone, Debug)]
+pub struct ImageFile {
+    /// `PNG`, `JPEG`, `WebP` or another format by its name.
+    pub format: &'static str,
+    /// The file.
+    pub bytes: Arc<Vec<u8>>,
+}
+
+/// The files of decoded images, if they were kept.
+pub(crate) fn image_files(images: &[texture::Decoded], keep: bool) -> Vec<Option<ImageFile>> {
+    if !keep {
+        return Vec::new();
+    }
+    images.iter().map(|d| d.file.clone().map(|bytes| ImageFile { format: d.format, bytes })).collect()
+}
+
+/// Reads the model at `path`, and the files that it refers to: glTF, GLB, OBJ, PLY or STL, told apart by what it contains, or
+/// by its extension where that does not tell.
 ///
 /// # Errors
 /// See [`ImportError`].
@@ -66,18 +97,25 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported, ImportEr
         }
     })?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    run(&bytes, &name, Some(folder), options).map_err(|e| e.in_file(&name))
+    door::read(&bytes, &name, Some(folder), options).map_err(|e| e.in_file(&name))
 }
 
-/// Reads a GLB, or a glTF that needs no other files, from memory. `name` stands for it in messages.
+/// Reads a model that needs no other files from memory. `name` stands for it in messages, and its extension tells formats
+/// apart whose content does not.
 ///
 /// # Errors
 /// See [`ImportError`].
 pub fn import_bytes(bytes: &[u8], name: &str, options: &ImportOptions) -> Result<Imported, ImportError> {
-    run(bytes, name, None, options).map_err(|e| e.in_file(name))
+    door::read(bytes, name, None, options).map_err(|e| e.in_file(name))
 }
 
-fn run(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptions) -> Result<Imported, Fault> {
+/// Reads glTF or GLB.
+pub(crate) fn gltf(
+    bytes: &[u8],
+    name: &str,
+    folder: Option<&Path>,
+    options: &ImportOptions,
+) -> Result<Imported, Fault> {
     let limits = &options.limits;
     let mut warnings = Warnings::default();
     let parts = glb::split(bytes, &mut warnings)?;
@@ -91,7 +129,7 @@ fn run(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptions)
     let mut warnings = reader.warnings;
     let hierarchy = Hierarchy::new(&doc, limits)?;
     let visible = hierarchy.visible(&doc, &mut warnings)?;
-    let source = Source { folder, limits };
+    let source = Source { folder, limits, keep_files: options.image_files };
     let mut buffers = Buffers::load(&doc, parts.binary, &source, &mut warnings)?;
     let mut budget = Budget::new(limits, bytes.len() as u64 + buffers.external);
     buffers.decompress(&doc, &mut budget)?;
@@ -146,8 +184,11 @@ fn run(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptions)
     info.file = name.to_owned();
     info.format = if parts.is_glb { "GLB" } else { "glTF" };
     info.bytes = bytes.len() as u64;
+    info.sizes = Sizes::of(&doc, parts.json.len() as u64);
+    info.unusual = unusual::of_document(&doc);
     info.add_scene(&scene, visible.len(), &textures.images, &images, &buffers);
-    Ok(Imported { scene, warnings: warnings.into_vec(), info })
+    let image_files = image_files(&images, options.image_files);
+    Ok(Imported { scene, warnings: warnings.into_vec(), info, image_files })
 }
 
 /// The joints of every skin that a planned mesh hangs on.
@@ -183,7 +224,7 @@ fn build_all(
 }
 
 /// Removes meshes without triangles, and their instances; the variants follow.
-fn drop_empty_meshes(scene: &mut Scene) {
+pub(crate) fn drop_empty_meshes(scene: &mut Scene) {
     if scene.meshes.iter().all(|m| !m.indices.is_empty()) {
         return;
     }

@@ -1,11 +1,16 @@
 //! What a file contains, for people who want to know before they render.
 
+use crate::assemble::Facts;
 use crate::buffers::Buffers;
 use crate::document::{Accessor, Document, LightShape, Mode, Projection};
 use crate::extensions::{Support, support};
+use crate::sizes::Sizes;
 use crate::texture::Decoded;
+use crate::unusual;
 use crate::uri;
-use etendue_scene::Scene;
+use crate::warning::Warning;
+use etendue_scene::{AlphaMode, Instance, Material, Scene};
+use glam::Vec3;
 use serde::Serialize;
 use std::collections::HashMap;
 
@@ -14,20 +19,26 @@ use std::collections::HashMap;
 pub struct Info {
     /// Name or path of the file.
     pub file: String,
-    /// `GLB` or `glTF`.
+    /// `GLB`, `glTF`, `OBJ`, `PLY (text)` and so on.
     pub format: &'static str,
     /// Size of the file, bytes.
     pub bytes: u64,
     /// Size of the buffer files beside it, bytes.
     pub external_bytes: u64,
-    /// Version of glTF that it was written for.
+    /// Version of glTF that it was written for; empty for other formats.
     pub version: String,
-    /// The program that wrote it.
+    /// The program that wrote it, or the first comment of a format that has nothing else to say it.
     pub generator: Option<String>,
+    /// What the format leaves open and how it was understood.
+    pub assumed: Option<&'static str>,
     /// Whose it is.
     pub copyright: Option<String>,
     /// Name of the scene that is shown.
     pub scene: Option<String>,
+    /// Where its bytes go.
+    pub sizes: Sizes,
+    /// What is allowed but odd: data that nothing refers to, pictures that are larger than they can be shown, and such.
+    pub unusual: Vec<Warning>,
     /// How many of each there are.
     pub counts: Counts,
     /// Names of its material variants.
@@ -244,6 +255,50 @@ impl Info {
         info
     }
 
+    /// Describes a scene that came from a format without documents of this kind.
+    pub(crate) fn of_scene(scene: &Scene, images: &[Decoded], facts: Facts<'_>) -> Self {
+        let meshes: Vec<MeshInfo> = scene.instances.iter().map(|i| scene_mesh(scene, i)).collect();
+        let primitives = || meshes.iter().flat_map(|m| &m.primitives);
+        let counts = Counts {
+            meshes: meshes.len() as u64,
+            primitives: meshes.len() as u64,
+            triangles: primitives().map(|p| p.triangles).sum(),
+            vertices: primitives().map(|p| p.vertices).sum(),
+            materials: scene.materials.len() as u64,
+            textures: scene.textures.len() as u64,
+            images: images.len() as u64,
+            instances: scene.instances.len() as u64,
+            shown_triangles: scene.triangle_count(),
+            image_bytes: images.iter().map(|d| d.image.bytes() as u64).sum(),
+            ..Counts::default()
+        };
+        Self {
+            file: facts.file.to_owned(),
+            format: facts.format,
+            bytes: facts.bytes,
+            external_bytes: facts.external,
+            generator: facts.comment,
+            assumed: Some("units and axes are not said: taken as metres, +Y up"),
+            sizes: Sizes {
+                geometry: facts.bytes,
+                images: images.iter().map(|d| d.encoded_bytes).sum(),
+                ..Sizes::default()
+            },
+            counts,
+            meshes,
+            materials: scene.materials.iter().map(scene_material).collect(),
+            images: images
+                .iter()
+                .map(|d| {
+                    let mut info = ImageInfo::default();
+                    info.set_decoded(d);
+                    info
+                })
+                .collect(),
+            ..Self::default()
+        }
+    }
+
     /// Adds what became of the document: `which` are the file's numbers of the `decoded` images.
     pub(crate) fn add_scene(
         &mut self,
@@ -260,14 +315,89 @@ impl Info {
         self.counts.image_bytes = decoded.iter().map(|d| d.image.bytes() as u64).sum();
         for (&i, d) in which.iter().zip(decoded) {
             let info = &mut self.images[i as usize];
-            info.used = true;
-            info.format = d.format;
-            (info.width, info.height, info.channels) = (d.image.width, d.image.height, d.image.channels);
-            info.mips = d.mips;
-            info.bytes = d.encoded_bytes;
-            info.decoded_bytes = d.image.bytes() as u64;
-            info.bits = (8 * d.image.bytes() / d.image.len().max(1)) as u32;
+            info.set_decoded(d);
+            if info.uri.is_some() {
+                self.sizes.images += d.encoded_bytes;
+            }
         }
+        let sizes = self.images.iter().enumerate().map(|(i, m)| (i, m.width, m.height));
+        self.unusual.extend(unusual::of_images(sizes));
+    }
+}
+
+impl ImageInfo {
+    fn set_decoded(&mut self, d: &Decoded) {
+        self.used = true;
+        self.format = d.format;
+        (self.width, self.height, self.channels) = (d.image.width, d.image.height, d.image.channels);
+        self.mips = d.mips;
+        self.bytes = d.encoded_bytes;
+        self.decoded_bytes = d.image.bytes() as u64;
+        self.bits = (8 * d.image.bytes() / d.image.len().max(1)) as u32;
+    }
+}
+
+fn scene_mesh(scene: &Scene, i: &Instance) -> MeshInfo {
+    let m = &scene.meshes[i.mesh as usize];
+    let attributes = [
+        ("positions", true),
+        ("normals", !m.normals.is_empty()),
+        ("tangents", !m.tangents.is_empty()),
+        ("texture coordinates", !m.uvs.is_empty()),
+        ("colours", !m.colors.is_empty()),
+    ];
+    let attributes = attributes.iter().filter(|(_, there)| *there).map(|(n, _)| (*n).to_owned());
+    MeshInfo {
+        name: m.name.clone(),
+        primitives: vec![PrimitiveInfo {
+            mode: "triangles",
+            triangles: m.indices.len() as u64,
+            vertices: m.positions.len() as u64,
+            attributes: attributes.collect(),
+            material: i.material,
+            morph_targets: 0,
+        }],
+    }
+}
+
+fn scene_material(m: &Material) -> MaterialInfo {
+    let wide = |v: Vec3| v.to_array().map(f64::from).to_vec();
+    let e = m.extensions.as_deref();
+    let factors = [
+        ("baseColor", Some(wide(m.base_color))),
+        ("alpha", (m.alpha != 1.0).then(|| vec![f64::from(m.alpha)])),
+        ("metallic", Some(vec![f64::from(m.metallic)])),
+        ("roughness", Some(vec![f64::from(m.roughness)])),
+        ("emissive", (m.emissive != Vec3::ZERO).then(|| wide(m.emissive))),
+        ("ior", (m.ior != 1.5).then(|| vec![f64::from(m.ior)])),
+        ("specular", (m.specular != 1.0).then(|| vec![f64::from(m.specular)])),
+        ("specularColor", (m.specular_color != Vec3::ONE).then(|| wide(m.specular_color))),
+        ("sheenColor", e.and_then(|e| e.sheen).map(|s| wide(s.color))),
+        ("clearcoat", e.and_then(|e| e.clearcoat).map(|c| vec![f64::from(c.factor)])),
+        ("anisotropyStrength", e.and_then(|e| e.anisotropy).map(|a| vec![f64::from(a.strength)])),
+        ("transmission", e.and_then(|e| e.transmission).map(|t| vec![f64::from(t.factor)])),
+    ];
+    let textures = [
+        ("baseColor", m.base_color_texture),
+        ("metallicRoughness", m.metallic_roughness_texture),
+        ("normal", m.normal_texture.map(|n| n.texture)),
+        ("occlusion", m.occlusion_texture),
+        ("emissive", m.emissive_texture),
+        ("specularColor", m.specular_color_texture),
+        ("sheenColor", e.and_then(|e| e.sheen?.color_texture)),
+    ];
+    MaterialInfo {
+        name: m.name.clone(),
+        alpha_mode: match m.alpha_mode {
+            AlphaMode::Opaque => "OPAQUE",
+            AlphaMode::Mask(_) => "MASK",
+            AlphaMode::Blend => "BLEND",
+        }
+        .to_owned(),
+        double_sided: m.double_sided,
+        unlit: m.unlit,
+        factors: factors.into_iter().filter_map(|(k, v)| Some((k, v?))).collect(),
+        textures: textures.into_iter().filter_map(|(k, t)| Some((k, t?.texture))).collect(),
     }
 }
 

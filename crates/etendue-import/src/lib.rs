@@ -1,4 +1,4 @@
-//! Files to [`Scene`](etendue_scene::Scene): glTF 2.0 in its two forms, `.gltf` and `.glb`.
+//! Files to [`Scene`](etendue_scene::Scene) and back: glTF 2.0 in its two forms, `.gltf` and `.glb`; OBJ, PLY and STL.
 //!
 //! ```no_run
 //! use etendue_import::{ImportOptions, import};
@@ -22,6 +22,9 @@
 //! 4. `geometry` builds the meshes (`topology`, `skin`, `clean`, `tangents`) while `texture` decodes the images, on all
 //!    cores.
 //!
+//! `door` chooses the reader: `obj` (with its materials), `ply` and `stl` stand beside glTF. Their meshes and materials are put
+//! together by `assemble`; `polygon` cuts faces into triangles. [`write`] makes glTF of a scene.
+//!
 //! # What never happens
 //!
 //! No input makes this crate panic, recurse without bound or allocate out of proportion to the bytes it was given. No
@@ -31,9 +34,11 @@
 
 mod accessor;
 mod animation;
+mod assemble;
 mod buffers;
 mod clean;
 mod document;
+mod door;
 pub mod draco;
 mod error;
 mod extensions;
@@ -46,24 +51,34 @@ mod limits;
 mod material;
 pub mod meshopt;
 mod nodes;
+mod obj;
 mod place;
 mod plan;
+mod ply;
+mod polygon;
+mod sizes;
 mod skin;
 mod source;
+mod stl;
 mod surface;
 mod tangents;
+mod text;
 mod texture;
 mod topology;
+mod unusual;
 mod uri;
 mod warning;
+pub mod write;
 
 pub use animation::AnimationChoice;
 pub use error::ImportError;
 pub use extensions::{Support, support};
-pub use import::{ImportOptions, Imported, import, import_bytes};
+pub use import::{ImageFile, ImportOptions, Imported, import, import_bytes};
 pub use info::{
     AnimationInfo, CameraInfo, Counts, ExtensionInfo, ImageInfo, Info, LightInfo, MaterialInfo, MeshInfo,
     PrimitiveInfo,
 };
 pub use limits::Limits;
+pub use sizes::Sizes;
 pub use warning::Warning;
+pub use write::{ExportError, ExportOptions, Exported, Form, export};

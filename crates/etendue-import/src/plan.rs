@@ -369,7 +369,7 @@ impl<'a> Plan<'a> {
 /// Along what tangents have to run for a material; `None` if it needs none. Normal texture, coat's normal texture and
 /// anisotropy share one tangent space (glTF 2.0, 3.9.3; KHR_materials_clearcoat, KHR_materials_anisotropy): the first of
 /// them that is there determines it.
-fn tangent_space(m: &Material) -> Option<TangentSpace> {
+pub(crate) fn tangent_space(m: &Material) -> Option<TangentSpace> {
     let extensions = m.extensions.as_deref();
     let coat = extensions.and_then(|e| e.clearcoat?.normal_texture);
     let along = |t: TextureRef| TangentSpace::new(t.uv_set, &t.transform);

@@ -2,19 +2,36 @@
 
 use crate::error::Fault;
 use crate::limits::Limits;
+use crate::texture::{Decoded, format_of};
 use crate::uri;
+use etendue_image::Image;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The surroundings of a model.
 pub(crate) struct Source<'a> {
     /// The model's folder; `None` if it came from memory and has no surroundings.
     pub folder: Option<&'a Path>,
     pub limits: &'a Limits,
+    /// Whether pictures keep the bytes that they were decoded from.
+    pub keep_files: bool,
 }
 
 impl Source<'_> {
+    /// A picture that was decoded from `bytes`.
+    pub fn decoded(&self, image: Arc<Image>, bytes: Vec<u8>) -> Decoded {
+        Decoded {
+            image,
+            encoded_bytes: bytes.len() as u64,
+            format: format_of(&bytes),
+            mips: 1,
+            srgb: None,
+            file: self.keep_files.then(|| Arc::new(bytes)),
+        }
+    }
+
     /// The bytes that `uri` refers to. `what` ("buffer", "image") and `pointer` are for messages.
     pub fn read(&self, uri: &str, what: &'static str, pointer: &str) -> Result<Vec<u8>, Fault> {
         if let Some(data) = uri::data(uri) {

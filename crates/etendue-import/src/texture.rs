@@ -146,6 +146,7 @@ pub(crate) fn bytes<'b>(
 }
 
 /// A decoded image and the size of its code.
+#[derive(Clone)]
 pub(crate) struct Decoded {
     pub image: Arc<Image>,
     pub encoded_bytes: u64,
@@ -154,6 +155,8 @@ pub(crate) struct Decoded {
     pub mips: u32,
     /// Whether the file says that its colours are encoded, or that they are not; most formats do not say.
     pub srgb: Option<bool>,
+    /// The code itself, if it is to be kept.
+    pub file: Option<Arc<Vec<u8>>>,
 }
 
 /// Reads and decodes images `which`, in parallel.
@@ -209,7 +212,8 @@ pub(crate) fn decode_all(
                 });
             }
             let encoded_bytes = code.len() as u64;
-            Ok(Decoded { image: Arc::new(image), encoded_bytes, format: said, mips, srgb })
+            let file = source.keep_files.then(|| Arc::new(code.to_vec()));
+            Ok(Decoded { image: Arc::new(image), encoded_bytes, format: said, mips, srgb, file })
         })
         .collect()
 }

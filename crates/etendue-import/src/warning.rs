@@ -6,7 +6,8 @@ use std::fmt;
 /// Something in the file that was ignored, mended or looks wrong, though a picture can be made.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Warning {
-    /// JSON pointer (RFC 6901) to the first place where it occurs; empty for the whole document.
+    /// JSON pointer (RFC 6901) to the first place where it occurs, or for formats other than glTF the place in words (`line
+    /// 12`); empty for the whole document.
     pub pointer: String,
     /// What is wrong and what was done about it.
     pub message: String,
