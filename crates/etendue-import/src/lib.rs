@@ -23,7 +23,7 @@
 //!    cores.
 //!
 //! `door` chooses the reader: `obj` (with its materials), `ply` and `stl` stand beside glTF. Their meshes and materials are put
-//! together by `assemble`; `polygon` cuts faces into triangles. [`write`] makes glTF of a scene.
+//! together by `assemble`; `polygon` cuts faces into triangles. [`mod@write`] makes glTF of a scene.
 //!
 //! # What never happens
 //!
