@@ -25,14 +25,18 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Path-trace a glTF model under a sky
+    /// Path-trace a model (glTF, OBJ, PLY, STL) under a sky
     Render(Box<RenderArgs>),
     /// Add films that hold different samples of one picture
     Merge(MergeArgs),
     /// Develop an .exr or .hdr picture without rendering it again
     Tonemap(TonemapArgs),
-    /// Say what a glTF file holds, and what of it is supported
+    /// Say what a model holds, what of it is supported, and what is unusual in it
     Info(InfoArgs),
+    /// Try many models and say what is wrong with each; ends with 3 if one does not load
+    Check(CheckArgs),
+    /// Write a model as one glTF file: textures in it, tangents added, instances kept
+    Convert(ConvertArgs),
     /// Measure build time, rays, samples and time to equal error on fixed scenes, and the cost of each model
     Bench(BenchArgs),
     /// Integrate a sky for real-time shading: harmonics, irradiance, prefiltered cube, reflectance table
@@ -45,7 +49,7 @@ pub(crate) enum Command {
 
 #[derive(Clone, Debug, Default, Args, Serialize, Deserialize)]
 pub(crate) struct RenderArgs {
-    /// A .glb or .gltf file; the built-in helmet if absent
+    /// A .glb, .gltf, .obj, .ply or .stl file; the built-in helmet if absent
     #[serde(with = "path")]
     pub model: Option<PathBuf>,
     /// Where the picture goes: .png .jpg .webp (developed), .exr .hdr (light) [default: MODEL.png, or etendue.png]
@@ -291,7 +295,7 @@ pub(crate) struct TonemapArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// A .glb or .gltf file; the built-in helmet if absent
+    /// A .glb, .gltf, .obj, .ply or .stl file; the built-in helmet if absent
     pub model: Option<PathBuf>,
     /// Let the model read files outside its own folder
     #[arg(long)]
@@ -299,6 +303,40 @@ pub(crate) struct InfoArgs {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CheckArgs {
+    /// Models: .glb, .gltf, .obj, .ply, .stl
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Let models read files outside their own folders
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// Count warnings as errors
+    #[arg(long)]
+    pub strict: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ConvertArgs {
+    /// A .glb, .gltf, .obj, .ply or .stl file; the built-in helmet if absent
+    pub model: Option<PathBuf>,
+    /// Where it goes: .glb, or .gltf for JSON that holds everything
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// The model at this time of its animation instead of at rest; animation itself is not written
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = finite)]
+    pub at: Option<f32>,
+    /// Let the model read files outside its own folder
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 #[derive(Debug, Args)]

@@ -104,6 +104,15 @@ pub enum CliError {
     #[error(transparent)]
     #[diagnostic(help("`etendue lab list` lists the models, `etendue lab list MODEL` its parameters"))]
     Parameter(#[from] crate::bxdf::model::ParameterError),
+    /// Models that were checked do not load, or not without warnings.
+    #[error("{wanting} of {files} files are found wanting")]
+    #[diagnostic(help("`etendue info FILE` tells more of one that loads"))]
+    Wanting {
+        /// How many.
+        wanting: usize,
+        /// Of how many.
+        files: usize,
+    },
     /// A claimed law is broken.
     #[error("{count} of {cells} cells fail; see {}", report.display())]
     #[diagnostic(help("the seed and the parameters of each are in the report"))]
@@ -184,7 +193,7 @@ impl CliError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) | Self::Parameter(_) => 2,
-            Self::Differs { .. } => 3,
+            Self::Differs { .. } | Self::Wanting { .. } => 3,
             _ => 1,
         }
     }

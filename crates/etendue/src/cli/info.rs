@@ -1,7 +1,8 @@
 //! `etendue info`: what a file holds.
 
 use super::args::InfoArgs;
-use super::{CliError, load, output, say};
+use super::output::{self, bytes};
+use super::{CliError, load, say};
 use crate::import::{Imported, Support};
 use std::fmt::Write;
 
@@ -17,7 +18,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), CliError> {
 }
 
 /// Rows of a table with its columns aligned.
-fn table(out: &mut String, title: &str, rows: &[Vec<String>]) {
+pub(crate) fn table(out: &mut String, title: &str, rows: &[Vec<String>]) {
     if rows.is_empty() {
         return;
     }
@@ -34,24 +35,15 @@ fn table(out: &mut String, title: &str, rows: &[Vec<String>]) {
     }
 }
 
-fn bytes(n: u64) -> String {
-    match n {
-        n if n >= 1 << 20 => format!("{:.1} MiB", n as f64 / f64::from(1 << 20)),
-        n if n >= 1 << 10 => format!("{:.1} KiB", n as f64 / 1024.0),
-        n => format!("{n} B"),
-    }
-}
-
 fn text(imported: &Imported) -> String {
     let (info, c) = (&imported.info, &imported.info.counts);
     let mut out = String::new();
     let n = |v: u64| output::count(v as f64);
     let _ = writeln!(
         out,
-        "{}: {} {}, {}{}",
+        "{}: {}, {}{}",
         info.file,
-        info.format,
-        info.version,
+        format!("{} {}", info.format, info.version).trim_end(),
         bytes(info.bytes),
         if info.external_bytes > 0 {
             format!(" and {} beside it", bytes(info.external_bytes))
@@ -59,6 +51,9 @@ fn text(imported: &Imported) -> String {
             String::new()
         }
     );
+    if let Some(assumed) = info.assumed {
+        let _ = writeln!(out, "  {assumed}");
+    }
     for (what, value) in [("by", &info.generator), ("copyright", &info.copyright), ("scene", &info.scene)] {
         if let Some(v) = value {
             let _ = writeln!(out, "  {what} {v}");
@@ -98,6 +93,22 @@ fn text(imported: &Imported) -> String {
             row(&[&"skins", &n(c.skins)]),
         ],
     );
+    let p = &info.sizes;
+    let parts = [
+        ("JSON", p.json),
+        ("geometry", p.geometry),
+        ("images", p.images),
+        ("animation", p.animation),
+        ("other data", p.other),
+        ("not referred to", p.unused),
+    ];
+    let total: u64 = parts.iter().map(|(_, n)| n).sum::<u64>().max(1);
+    let rows: Vec<_> = parts
+        .iter()
+        .filter(|(_, n)| *n > 0)
+        .map(|(what, n)| row(&[what, &bytes(*n), &format!("{:.1} %", *n as f64 * 100.0 / total as f64)]))
+        .collect();
+    table(&mut out, "sizes", &rows);
     let support = |s: Option<Support>| match s {
         Some(Support::Full) => "supported",
         Some(Support::Partly) => "supported in part",
@@ -218,5 +229,7 @@ fn text(imported: &Imported) -> String {
     table(&mut out, "animations", &rows);
     let rows: Vec<_> = imported.warnings.iter().map(|w| vec![w.to_string()]).collect();
     table(&mut out, "warnings", &rows);
+    let rows: Vec<_> = info.unusual.iter().map(|w| vec![w.to_string()]).collect();
+    table(&mut out, "unusual", &rows);
     out
 }

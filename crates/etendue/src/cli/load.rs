@@ -46,10 +46,23 @@ pub(crate) fn scene(args: &RenderArgs) -> Result<(Scene, Vec<String>), CliError>
 /// The model that the arguments name.
 pub(crate) fn model(path: Option<&Path>, at: Option<f32>, allow_outside: bool) -> Result<Imported, CliError> {
     let limits = Limits { outside_folder: allow_outside, ..Limits::default() };
-    let options = ImportOptions { at, limits, ..ImportOptions::default() };
+    read(path, &ImportOptions { at, limits, ..ImportOptions::default() })
+}
+
+/// The same, for those who write it again: with the files of its pictures.
+pub(crate) fn model_with_files(
+    path: Option<&Path>,
+    at: Option<f32>,
+    allow_outside: bool,
+) -> Result<Imported, CliError> {
+    let limits = Limits { outside_folder: allow_outside, ..Limits::default() };
+    read(path, &ImportOptions { at, image_files: true, limits, ..ImportOptions::default() })
+}
+
+fn read(path: Option<&Path>, options: &ImportOptions) -> Result<Imported, CliError> {
     Ok(match path {
-        Some(p) => import(p, &options)?,
-        None => builtin::import_helmet(&options)?,
+        Some(p) => import(p, options)?,
+        None => builtin::import_helmet(options)?,
     })
 }
 

@@ -8,8 +8,10 @@ mod bake_probe;
 mod bench;
 mod bench_models;
 mod bench_scenes;
+mod check;
 mod compare;
 mod compare_args;
+mod convert;
 mod error;
 mod goal;
 mod info;
@@ -34,7 +36,7 @@ pub use error::CliError;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::process::ExitCode;
 
-/// Runs the program: 0 done, 2 wrong usage, 3 pictures that differ by more than is allowed, 1 anything else.
+/// Runs the program: 0 done, 2 wrong usage, 3 pictures that differ by more than is allowed or models that are found wanting, 1 anything else.
 pub fn main() -> ExitCode {
     // clap itself ends the program with 2 for arguments that it does not understand, and 0 after --help.
     let matches = Cli::command().get_matches();
@@ -46,6 +48,8 @@ pub fn main() -> ExitCode {
         Some(Command::Merge(a)) => merge::run(&args::MergeArgs { given, ..a }),
         Some(Command::Tonemap(a)) => tonemap::run(&a),
         Some(Command::Info(a)) => info::run(&a),
+        Some(Command::Check(a)) => check::run(&a),
+        Some(Command::Convert(a)) => convert::run(&a),
         Some(Command::Bench(a)) => bench::run(&a),
         Some(Command::Lab(a)) => lab::run(&a),
         Some(Command::Bake(a)) => bake::run(&a),

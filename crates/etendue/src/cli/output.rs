@@ -159,6 +159,15 @@ pub(crate) fn count(n: f64) -> String {
     }
 }
 
+/// Bytes in the unit that suits them.
+pub(crate) fn bytes(n: u64) -> String {
+    match n {
+        n if n >= 1 << 20 => format!("{:.1} MiB", n as f64 / f64::from(1 << 20)),
+        n if n >= 1 << 10 => format!("{:.1} KiB", n as f64 / 1024.0),
+        n => format!("{n} B"),
+    }
+}
+
 /// Notes for a film's file.
 pub(crate) fn notes<const N: usize>(entries: [(&str, String); N]) -> BTreeMap<String, String> {
     entries.into_iter().map(|(k, v)| (k.to_string(), v)).collect()

@@ -9,6 +9,7 @@ mod errors;
 mod films;
 mod lab;
 mod laboratory;
+mod models;
 mod pictures;
 mod probes;
 mod realtime;
