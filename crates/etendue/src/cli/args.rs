@@ -3,6 +3,11 @@
 use super::CliError;
 use super::bake_args::BakeArgs;
 use super::compare_args::CompareArgs;
+use super::lab_args::LabArgs;
+use super::model_args::{CheckArgs, ConvertArgs, InfoArgs};
+use super::values::{
+    Vec3Arg, bits, duration, field_of_view, finite, non_negative, path, positive, range, size, text, vec3,
+};
 use crate::bxdf::model::Field;
 use crate::bxdf::multiscatter::Compensation;
 use crate::color::ToneCurve;
@@ -294,52 +299,6 @@ pub(crate) struct TonemapArgs {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct InfoArgs {
-    /// A .glb, .gltf, .obj, .ply or .stl file; the built-in helmet if absent
-    pub model: Option<PathBuf>,
-    /// Let the model read files outside its own folder
-    #[arg(long)]
-    pub allow_outside: bool,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct CheckArgs {
-    /// Models: .glb, .gltf, .obj, .ply, .stl
-    #[arg(required = true, value_name = "FILE")]
-    pub files: Vec<PathBuf>,
-    /// Let models read files outside their own folders
-    #[arg(long)]
-    pub allow_outside: bool,
-    /// Count warnings as errors
-    #[arg(long)]
-    pub strict: bool,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct ConvertArgs {
-    /// A .glb, .gltf, .obj, .ply or .stl file; the built-in helmet if absent
-    pub model: Option<PathBuf>,
-    /// Where it goes: .glb, or .gltf for JSON that holds everything
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
-    /// The model at this time of its animation instead of at rest; animation itself is not written
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = finite)]
-    pub at: Option<f32>,
-    /// Let the model read files outside its own folder
-    #[arg(long)]
-    pub allow_outside: bool,
-    /// Print nothing but errors
-    #[arg(short, long)]
-    pub quiet: bool,
-}
-
-#[derive(Debug, Args)]
 pub(crate) struct BenchArgs {
     /// Only scenes and models whose name contains this; `models` for all models
     pub filter: Option<String>,
@@ -351,174 +310,6 @@ pub(crate) struct BenchArgs {
     pub json: bool,
 }
 
-#[derive(Debug, Args)]
-pub(crate) struct LabArgs {
-    #[command(subcommand)]
-    pub command: LabCommand,
-}
-
-#[derive(Debug, Subcommand)]
-pub(crate) enum LabCommand {
-    /// List the models, or the parameters of some
-    List(LabListArgs),
-    /// Plot a model: its lobe, D, G and F, albedo, samples against density
-    Bxdf(LabBxdfArgs),
-    /// Put models to every law, write a report; ends with 1 if a claimed law is broken
-    Verify(LabVerifyArgs),
-    /// Set the formulas that the founding notes got wrong beside the right ones
-    Notes(LabNotesArgs),
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct LabListArgs {
-    /// Models to describe with all their parameters [default: a line for each]
-    pub models: Vec<String>,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct LabBxdfArgs {
-    /// The model; `etendue lab list` has them
-    pub model: String,
-    /// Parameters as NAME=VALUE: numbers, colours as R,G,B or #rrggbb, true or false, words
-    #[arg(value_name = "NAME=VALUE")]
-    pub parameters: Vec<String>,
-    /// Folder for the plots, made if it is not there [default: MODEL-plots]
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Print nothing but errors
-    #[arg(short, long)]
-    pub quiet: bool,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct LabVerifyArgs {
-    /// Only this model; may be repeated
-    #[arg(long, value_name = "NAME")]
-    pub model: Vec<String>,
-    /// The whole grid with 10⁶ samples per cell, instead of a part with 2·10⁴
-    #[arg(long)]
-    pub full: bool,
-    /// Samples per cell
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1000..))]
-    pub samples: Option<u32>,
-    /// Another seed gives other samples
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
-    /// Where the report goes, one HTML page
-    #[arg(short, long, value_name = "FILE", default_value = "laws.html")]
-    pub output: PathBuf,
-    /// Write every cell as JSON, too
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
-    /// Threads [default: all]
-    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub threads: Option<u32>,
-    /// Print nothing but errors and what fails
-    #[arg(short, long)]
-    pub quiet: bool,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct LabNotesArgs {
-    /// Folder for the page, made if it is not there
-    #[arg(short, long, value_name = "DIR", default_value = "notes")]
-    pub output: PathBuf,
-    /// Print nothing but errors
-    #[arg(short, long)]
-    pub quiet: bool,
-}
-
-/// Three numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Vec3Arg(pub [f32; 3]);
-
-fn numbers<const N: usize>(s: &str) -> Option<[f32; N]> {
-    let v: Vec<f32> =
-        s.split(',').map(|p| p.trim().parse().ok().filter(|v: &f32| v.is_finite())).collect::<Option<_>>()?;
-    v.try_into().ok()
-}
-
-pub(crate) fn vec3(s: &str) -> Result<Vec3Arg, String> {
-    numbers(s).map(Vec3Arg).ok_or_else(|| "give three numbers, as in 1.5,0,-2".into())
-}
-
-pub(crate) fn finite(s: &str) -> Result<f32, String> {
-    s.parse().ok().filter(|v: &f32| v.is_finite()).ok_or_else(|| "give a number".into())
-}
-
-fn positive(s: &str) -> Result<f32, String> {
-    finite(s).ok().filter(|v| *v > 0.0).ok_or_else(|| "give a number above 0".into())
-}
-
-pub(crate) fn non_negative(s: &str) -> Result<f32, String> {
-    finite(s).ok().filter(|v| *v >= 0.0).ok_or_else(|| "give a number that is not negative".into())
-}
-
-fn field_of_view(s: &str) -> Result<f32, String> {
-    finite(s).ok().filter(|v| *v > 0.0 && *v < 180.0).ok_or_else(|| "give degrees between 0 and 180".into())
-}
-
-fn bits(s: &str) -> Result<u8, String> {
-    match s {
-        "8" => Ok(8),
-        "16" => Ok(16),
-        "32" => Ok(32),
-        _ => Err("give 8, 16 or 32".into()),
-    }
-}
-
-pub(crate) fn size(s: &str) -> Result<(u32, u32), String> {
-    let parse = |p: &str| p.trim().parse().ok().filter(|v| (1..=65536).contains(v));
-    s.split_once(['x', 'X', '×'])
-        .and_then(|(w, h)| Some((parse(w)?, parse(h)?)))
-        .ok_or_else(|| "give width and height in pixels, as in 1280x720".into())
-}
-
-fn range(s: &str) -> Result<(u32, u32), String> {
-    s.split_once("..")
-        .and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)))
-        .filter(|(a, b)| a < b)
-        .ok_or_else(|| "give the first sample and the one after the last, as in 0..64".into())
-}
-
-fn duration(s: &str) -> Result<Duration, String> {
-    let unit = s.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
-    let scale = match unit {
-        "s" | "" => 1.0,
-        "ms" => 1e-3,
-        "m" | "min" => 60.0,
-        "h" => 3600.0,
-        _ => return Err("give a time, as in 90s, 5m or 1h".into()),
-    };
-    let value: f64 = s[..s.len() - unit.len()].parse().map_err(|_| "give a time, as in 90s, 5m or 1h")?;
-    Duration::try_from_secs_f64(value * scale).map_err(|e| e.to_string())
-}
-
-/// Values that are their own name.
-mod text {
-    use serde::{Deserialize, Deserializer, Serializer};
-    pub fn serialize<T: std::fmt::Display, S: Serializer>(v: &T, s: S) -> Result<S::Ok, S::Error> {
-        s.collect_str(v)
-    }
-    pub fn deserialize<'a, T: std::str::FromStr<Err: std::fmt::Display>, D: Deserializer<'a>>(
-        d: D,
-    ) -> Result<T, D::Error> {
-        String::deserialize(d)?.parse().map_err(serde::de::Error::custom)
-    }
-}
-
-/// Paths as text, so that one which is not Unicode does not spoil the film.
-mod path {
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-    use std::path::PathBuf;
-    pub fn serialize<S: Serializer>(v: &Option<PathBuf>, s: S) -> Result<S::Ok, S::Error> {
-        v.as_ref().map(|p| p.to_string_lossy()).serialize(s)
-    }
-    pub fn deserialize<'a, D: Deserializer<'a>>(d: D) -> Result<Option<PathBuf>, D::Error> {
-        Option::deserialize(d)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -527,18 +318,6 @@ mod tests {
     #[test]
     fn the_definition_is_sound() {
         Cli::command().debug_assert();
-    }
-
-    #[test]
-    fn values_parse() {
-        assert_eq!(size("1280x720"), Ok((1280, 720)));
-        assert!(size("0x4").is_err() && size("12").is_err() && size("1x99999").is_err());
-        assert_eq!(vec3("1,-2.5, 3"), Ok(Vec3Arg([1.0, -2.5, 3.0])));
-        assert!(vec3("1,2").is_err() && vec3("1,2,inf").is_err());
-        assert_eq!(duration("1.5m"), Ok(Duration::from_secs(90)));
-        assert!(duration("soon").is_err() && duration("").is_err());
-        assert_eq!(range("3..9"), Ok((3, 9)));
-        assert!(range("9..3").is_err());
     }
 
     #[test]

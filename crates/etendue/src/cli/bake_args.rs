@@ -1,6 +1,6 @@
 //! What can be said to `etendue bake`.
 
-use super::args::{Vec3Arg, finite, non_negative, vec3};
+use super::values::{Vec3Arg, finite, non_negative, vec3};
 use crate::ibl::{DfgLayout, Kernel, MipMapping, TexelFormat, Window};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;

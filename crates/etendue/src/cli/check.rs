@@ -1,7 +1,7 @@
 //! `etendue check`: what is wrong with files, over many of them, for pipelines.
 
-use super::args::CheckArgs;
 use super::info::table;
+use super::model_args::CheckArgs;
 use super::output::{bytes, count};
 use super::{CliError, say};
 use crate::import::{ImportOptions, Imported, Limits, import};

@@ -1,6 +1,7 @@
 //! What can be said to `etendue compare`.
 
-use super::args::{RenderArgs, Vec3Arg, finite, non_negative, size, vec3};
+use super::args::RenderArgs;
+use super::values::{Vec3Arg, finite, non_negative, size, vec3};
 use crate::color::ToneCurve;
 use clap::Args;
 use std::collections::BTreeSet;

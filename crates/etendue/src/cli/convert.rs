@@ -1,6 +1,6 @@
 //! `etendue convert`: any model into glTF.
 
-use super::args::ConvertArgs;
+use super::model_args::ConvertArgs;
 use super::output::bytes;
 use super::{CliError, load, note_line, say};
 use crate::image::write_atomic;

@@ -1,6 +1,6 @@
 //! `etendue info`: what a file holds.
 
-use super::args::InfoArgs;
+use super::model_args::InfoArgs;
 use super::output::{self, bytes};
 use super::{CliError, load, say};
 use crate::import::{Imported, Support};

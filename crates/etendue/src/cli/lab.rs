@@ -1,7 +1,7 @@
 //! `etendue lab`: plots, laws and formulas; the work is `etendue-lab`'s.
 
-use super::args::{LabArgs, LabBxdfArgs, LabCommand, LabListArgs, LabNotesArgs, LabVerifyArgs};
 use super::error::shell_word;
+use super::lab_args::{LabArgs, LabBxdfArgs, LabCommand, LabListArgs, LabNotesArgs, LabVerifyArgs};
 use super::progress::clock;
 use super::{CliError, note_line, say};
 use crate::bxdf::laws::cases::{Settings, text};

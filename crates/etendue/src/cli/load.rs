@@ -78,7 +78,7 @@ pub(crate) fn sky(sky: &str, degrees: f32, intensity: f32) -> Result<(Environmen
     if sky == "none" {
         return Ok(constant([0.0; 3]));
     }
-    if let Ok(c) = super::args::vec3(sky) {
+    if let Ok(c) = super::values::vec3(sky) {
         if c.0.iter().any(|v| *v < 0.0) {
             return Err(CliError::Usage(format!("the sky's colour {sky} is negative")));
         }

@@ -1,0 +1,51 @@
+//! What can be said to the commands that look at models: `info`, `check`, `convert`.
+
+use super::values::finite;
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+pub(crate) struct InfoArgs {
+    /// A .glb, .gltf, .obj, .ply or .stl file; the built-in helmet if absent
+    pub model: Option<PathBuf>,
+    /// Let the model read files outside its own folder
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CheckArgs {
+    /// Models: .glb, .gltf, .obj, .ply, .stl
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Let models read files outside their own folders
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// Count warnings as errors
+    #[arg(long)]
+    pub strict: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ConvertArgs {
+    /// A .glb, .gltf, .obj, .ply or .stl file; the built-in helmet if absent
+    pub model: Option<PathBuf>,
+    /// Where it goes: .glb, or .gltf for JSON that holds everything
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// The model at this time of its animation instead of at rest; animation itself is not written
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = finite)]
+    pub at: Option<f32>,
+    /// Let the model read files outside its own folder
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
