@@ -33,16 +33,21 @@ impl Lighting {
     /// [`BadSky`] when the environment is no picture of light.
     pub fn new(scene: &Scene, choices: &Choices) -> Result<Self, BadSky> {
         Ok(Self {
-            lights: scene
-                .lights
-                .iter()
-                .filter(|l| l.intensity.max_element() > 0.0)
-                .map(PunctualLight::from)
-                .collect(),
+            lights: lights(scene),
             areas: Vec::new(),
             sky: SkyLight::new(&scene.environment, choices)?,
             zonal: ZonalTable::new(),
             ltc: LtcTable::default(),
         })
     }
+
+    /// The same sky, integrated once, with the lights of another scene.
+    pub fn with_lights_of(&self, scene: &Scene) -> Self {
+        Self { lights: lights(scene), areas: Vec::new(), ..self.clone() }
+    }
+}
+
+/// The scene's lights that give light.
+fn lights(scene: &Scene) -> Vec<PunctualLight> {
+    scene.lights.iter().filter(|l| l.intensity.max_element() > 0.0).map(PunctualLight::from).collect()
 }

@@ -5,6 +5,7 @@ use super::bake_args::BakeArgs;
 use super::compare_args::CompareArgs;
 use super::lab_args::LabArgs;
 use super::model_args::{CheckArgs, ConvertArgs, InfoArgs};
+use super::sheet_args::SheetArgs;
 use super::values::{
     Vec3Arg, bits, duration, field_of_view, finite, non_negative, path, positive, range, size, text, vec3,
 };
@@ -40,6 +41,8 @@ pub(crate) enum Command {
     Info(InfoArgs),
     /// Try many models and say what is wrong with each; ends with 3 if one does not load
     Check(CheckArgs),
+    /// Draw many models side by side, with their names and what is wrong with them; ends with 3 if one does not load
+    Sheet(SheetArgs),
     /// Write a model as one glTF file: textures in it, tangents added, instances kept
     Convert(ConvertArgs),
     /// Measure build time, rays, samples and time to equal error on fixed scenes, and the cost of each model

@@ -1,17 +1,18 @@
 //! `etendue check`: what is wrong with files, over many of them, for pipelines.
 
+use super::find_models::find_models;
 use super::info::table;
 use super::model_args::CheckArgs;
 use super::output::{bytes, count};
 use super::{CliError, say};
-use crate::import::{ImportOptions, Imported, Limits, import};
+use crate::import::{ImportError, ImportOptions, Imported, Limits, import};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
 
 /// How a file is.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Verdict {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
     Good,
     /// It loads, with warnings.
     Warned,
@@ -29,88 +30,133 @@ impl Verdict {
     }
 }
 
-struct Checked {
-    verdict: Verdict,
+/// What there is to say of a file.
+pub(crate) struct Checked {
+    pub verdict: Verdict,
     row: Vec<String>,
     /// What is to say, with its place.
-    messages: Vec<String>,
+    pub messages: Vec<String>,
     json: Value,
+}
+
+impl Checked {
+    /// Of a model that loaded.
+    pub fn loaded(path: &Path, model: &Imported) -> Self {
+        let (name, info) = (path.display().to_string(), &model.info);
+        let verdict = if model.warnings.is_empty() { Verdict::Good } else { Verdict::Warned };
+        let notes: u64 = model.warnings.iter().map(|w| w.count).sum();
+        let row = vec![
+            name.clone(),
+            verdict.word().into(),
+            info.format.to_owned(),
+            bytes(info.bytes + info.external_bytes),
+            format!("{} triangles", count(info.counts.shown_triangles as f64)),
+            match notes {
+                0 => String::new(),
+                1 => "1 warning".into(),
+                n => format!("{n} warnings"),
+            },
+        ];
+        let json = json!({
+            "file": name,
+            "verdict": verdict.word(),
+            "format": info.format,
+            "bytes": info.bytes + info.external_bytes,
+            "triangles": info.counts.shown_triangles,
+            "warnings": model.warnings,
+            "unusual": info.unusual,
+        });
+        let messages = model.warnings.iter().map(ToString::to_string).collect();
+        Self { verdict, row, messages, json }
+    }
+
+    /// Of one that did not.
+    pub fn refused(path: &Path, error: &ImportError) -> Self {
+        // The message begins with the file's name, which stands there already.
+        let text = error.to_string();
+        let message = text.strip_prefix(&format!("{}: ", path.display())).unwrap_or(&text);
+        Self::failed(path, message)
+    }
+
+    /// Of one that came to nothing for the reason given.
+    pub fn failed(path: &Path, message: &str) -> Self {
+        let (name, word) = (path.display().to_string(), Verdict::Bad.word());
+        Self {
+            verdict: Verdict::Bad,
+            row: vec![name.clone(), word.into()],
+            json: json!({ "file": name, "verdict": word, "error": message }),
+            messages: vec![message.to_owned()],
+        }
+    }
+
+    /// Notes how long it took.
+    pub fn took(mut self, seconds: f64) -> Self {
+        self.json["seconds"] = json!(seconds);
+        self
+    }
+}
+
+/// What there is to say of many files.
+#[derive(Default)]
+pub(crate) struct Checklist {
+    rows: Vec<Vec<String>>,
+    list: Vec<Value>,
+    said: String,
+    counts: [usize; 3],
+}
+
+impl Checklist {
+    /// Adds a file.
+    pub fn add(&mut self, path: &Path, c: Checked) {
+        self.counts[c.verdict as usize] += 1;
+        for m in &c.messages {
+            self.said += &format!("{}: {}: {m}\n", path.display(), c.verdict.word());
+        }
+        self.rows.push(c.row);
+        self.list.push(c.json);
+    }
+
+    /// Prints a table and what is wrong, or with `json` one document, to which `more` is added.
+    pub fn print(&self, json: bool, more: &[(&str, Value)]) -> Result<(), CliError> {
+        let [good, warned, bad] = self.counts;
+        if json {
+            let mut report = json!({ "files": self.list, "ok": good, "warnings": warned, "errors": bad });
+            more.iter().for_each(|(key, value)| report[*key] = value.clone());
+            say(&serde_json::to_string_pretty(&report).map_err(|e| CliError::Other(e.to_string()))?);
+            return Ok(());
+        }
+        let mut out = String::new();
+        table(&mut out, "files", &self.rows);
+        say(out.trim());
+        if !self.said.is_empty() {
+            say(&format!("\n{}", self.said.trim_end()));
+        }
+        say(&format!("\n{good} ok, {warned} with warnings, {bad} with errors"));
+        Ok(())
+    }
+
+    /// An error if a file does not load, or with `strict` not without warnings.
+    pub fn judge(&self, strict: bool) -> Result<(), CliError> {
+        let [_, warned, bad] = self.counts;
+        match if strict { warned + bad } else { bad } {
+            0 => Ok(()),
+            wanting => Err(CliError::Wanting { wanting, files: self.list.len() }),
+        }
+    }
 }
 
 pub(crate) fn run(args: &CheckArgs) -> Result<(), CliError> {
     let limits = Limits { outside_folder: args.allow_outside, ..Limits::default() };
     let options = ImportOptions { limits, ..ImportOptions::default() };
-    let (mut rows, mut list, mut said) = (Vec::new(), Vec::new(), String::new());
-    let mut counts = [0usize; 3];
-    for path in &args.files {
-        let c = check(path, &options);
-        counts[c.verdict as usize] += 1;
-        for m in &c.messages {
-            said += &format!("{}: {}: {m}\n", path.display(), c.verdict.word());
-        }
-        rows.push(c.row);
-        list.push(c.json);
+    let mut list = Checklist::default();
+    for path in find_models(&args.files)? {
+        let started = Instant::now();
+        let checked = match import(&path, &options) {
+            Ok(model) => Checked::loaded(&path, &model),
+            Err(e) => Checked::refused(&path, &e),
+        };
+        list.add(&path, checked.took(started.elapsed().as_secs_f64()));
     }
-    let [good, warned, bad] = counts;
-    if args.json {
-        let report = json!({ "files": list, "ok": good, "warnings": warned, "errors": bad });
-        say(&serde_json::to_string_pretty(&report).map_err(|e| CliError::Other(e.to_string()))?);
-    } else {
-        let mut out = String::new();
-        table(&mut out, "files", &rows);
-        say(out.trim());
-        if !said.is_empty() {
-            say(&format!("\n{}", said.trim_end()));
-        }
-        say(&format!("\n{good} ok, {warned} with warnings, {bad} with errors"));
-    }
-    let wanting = if args.strict { warned + bad } else { bad };
-    if wanting > 0 { Err(CliError::Wanting { wanting, files: args.files.len() }) } else { Ok(()) }
-}
-
-fn check(path: &Path, options: &ImportOptions) -> Checked {
-    let started = Instant::now();
-    let result = import(path, options);
-    let seconds = started.elapsed().as_secs_f64();
-    let name = path.display().to_string();
-    let mut c = match result {
-        Ok(model) => loaded(&name, &model),
-        Err(e) => {
-            // The message begins with the file's name, which stands there already.
-            let text = e.to_string();
-            let message = text.strip_prefix(&format!("{name}: ")).unwrap_or(&text).to_owned();
-            Checked {
-                verdict: Verdict::Bad,
-                row: vec![name.clone(), Verdict::Bad.word().into()],
-                json: json!({ "file": name, "verdict": Verdict::Bad.word(), "error": message }),
-                messages: vec![message],
-            }
-        }
-    };
-    c.json["seconds"] = json!(seconds);
-    c
-}
-
-fn loaded(name: &str, model: &Imported) -> Checked {
-    let info = &model.info;
-    let verdict = if model.warnings.is_empty() { Verdict::Good } else { Verdict::Warned };
-    let notes: u64 = model.warnings.iter().map(|w| w.count).sum();
-    let row = vec![
-        name.to_owned(),
-        verdict.word().into(),
-        info.format.to_owned(),
-        bytes(info.bytes + info.external_bytes),
-        format!("{} triangles", count(info.counts.shown_triangles as f64)),
-        if notes > 0 { format!("{notes} warnings") } else { String::new() },
-    ];
-    let json = json!({
-        "file": name,
-        "verdict": verdict.word(),
-        "format": info.format,
-        "bytes": info.bytes + info.external_bytes,
-        "triangles": info.counts.shown_triangles,
-        "warnings": model.warnings,
-        "unusual": info.unusual,
-    });
-    Checked { verdict, row, messages: model.warnings.iter().map(ToString::to_string).collect(), json }
+    list.print(args.json, &[])?;
+    list.judge(args.strict)
 }

@@ -13,6 +13,7 @@ mod compare;
 mod compare_args;
 mod convert;
 mod error;
+mod find_models;
 mod goal;
 mod info;
 mod lab;
@@ -28,6 +29,9 @@ mod realtime_help;
 mod render;
 mod report;
 mod resume;
+mod sheet;
+mod sheet_args;
+mod sheet_page;
 mod target;
 mod tonemap;
 mod values;
@@ -52,6 +56,7 @@ pub fn main() -> ExitCode {
         Some(Command::Tonemap(a)) => tonemap::run(&a),
         Some(Command::Info(a)) => info::run(&a),
         Some(Command::Check(a)) => check::run(&a),
+        Some(Command::Sheet(a)) => sheet::run(&a),
         Some(Command::Convert(a)) => convert::run(&a),
         Some(Command::Bench(a)) => bench::run(&a),
         Some(Command::Lab(a)) => lab::run(&a),

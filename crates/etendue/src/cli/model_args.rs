@@ -18,8 +18,8 @@ pub(crate) struct InfoArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckArgs {
-    /// Models: .glb, .gltf, .obj, .ply, .stl
-    #[arg(required = true, value_name = "FILE")]
+    /// Models, and folders in which all models are found: .glb, .gltf, .obj, .ply, .stl
+    #[arg(required = true, value_name = "FILE|FOLDER")]
     pub files: Vec<PathBuf>,
     /// Let models read files outside their own folders
     #[arg(long)]

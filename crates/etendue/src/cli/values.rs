@@ -56,6 +56,10 @@ pub(crate) fn range(s: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| "give the first sample and the one after the last, as in 0..64".into())
 }
 
+pub(crate) fn positive_duration(s: &str) -> Result<Duration, String> {
+    duration(s).ok().filter(|d| !d.is_zero()).ok_or_else(|| "give a time above 0, as in 90s, 5m or 1h".into())
+}
+
 pub(crate) fn duration(s: &str) -> Result<Duration, String> {
     let unit = s.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
     let scale = match unit {

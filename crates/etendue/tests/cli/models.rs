@@ -67,3 +67,37 @@ fn checking_ends_with_three_if_a_model_does_not_load() {
     assert_eq!((&v["files"][0]["verdict"], &v["files"][1]["verdict"]), (&"ok".into(), &"error".into()));
     assert_eq!((&v["files"][0]["triangles"], &v["errors"]), (&2.into(), &1.into()));
 }
+
+#[test]
+fn a_sheet_shows_every_model_and_what_fails() {
+    let lab = lab();
+    let run = lab.run("sheet . -o s.png --cell 32 --columns 2 --rows 2 -n 2 --env 1,1,1").ends_with(3);
+    assert!(run.out.contains("bad.obj: error: line 2: refers to position 3"), "{}", run.out);
+    assert!(run.out.contains("4 ok, 1 with warnings, 1 with errors"), "{}", run.out);
+    // Six models: four on the first page, two on the second, which is half as high.
+    let (first, second) = (lab.image("s.png"), lab.image("s-2.png"));
+    assert_eq!((first.width, first.height, second.height), (2 * 44 + 12, 2 * 80 + 12, 80 + 12));
+    assert!(!lab.files().contains(&"s-3.png".to_string()));
+    let at = |image: &etendue::image::Image, x, y| [0, 1, 2].map(|c| (image.sample(x, y, c) * 255.0) as u8);
+    // In the order of names: bad.obj on pale red, then m.obj, which is red, m.ply and m.stl, odd.obj; t.gltf.
+    assert_eq!(at(&first, 40, 40), [0xfb, 0xea, 0xea]);
+    let [r, g, _] = at(&first, 56 + 16, 12 + 16);
+    assert!(r > 2 * g, "{r} {g}");
+    let [r, g, b] = at(&first, 12 + 14, 92 + 18);
+    assert!(r == g && g == b && r > 0x80, "{r} {g} {b}");
+    let [r, g, _] = at(&second, 56 + 16, 12 + 20);
+    assert!(r > 2 * g, "{r} {g}");
+    let json = lab.run("sheet m.obj odd.obj -o t.png --cell 32 -n 1 --integrator path --env 1,1,1 --json");
+    let v: serde_json::Value = serde_json::from_str(&json.ends_with(0).out).unwrap();
+    assert_eq!((&v["ok"], &v["warnings"], &v["pages"][0]), (&1.into(), &1.into(), &"t.png".into()));
+    lab.run("sheet odd.obj -o t.png --cell 32 -n 1 --strict").ends_with(3);
+    // Nothing is loaded and drawn in so little time.
+    let run = lab.run("sheet m.obj -o t.png --cell 512 -n 4096 --env 1,1,1 --time 50ms").ends_with(3);
+    assert!(run.out.contains("took longer than 0.05 s"), "{}", run.out);
+    lab.run("sheet m.obj -o t.png --time 0s").ends_with(2).says(&["above 0"]);
+    lab.run("sheet m.obj -o t.jpg").ends_with(2).says(&["t.jpg"]);
+    std::fs::create_dir(lab.path("none")).unwrap();
+    lab.run("sheet none -o t.png").ends_with(2).says(&["there is no model", "none"]);
+    assert!(lab.ok("check --strict m.obj t.gltf m.ply m.stl").out.contains("4 ok"));
+    lab.run("check .").ends_with(3);
+}
