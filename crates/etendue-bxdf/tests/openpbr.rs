@@ -537,3 +537,29 @@ fn the_default_surface_is_a_sum_of_its_lobes() {
     let diffuse = 0.8 * core::f32::consts::FRAC_1_PI * (1.0 - reflected);
     assert!((e.diffuse[0] - diffuse).abs() < 1e-4, "{e:?} {diffuse}");
 }
+
+/// A film between media of one index, seen from inside across a direction that is not the tangent: what passes straight on
+/// must know which of an anisotropic lobe's facets are seen.
+#[test]
+fn a_film_between_like_media_makes_no_light() {
+    let p = OpenPbrParams {
+        transmission_weight: 1.0,
+        specular_weight: 0.0,
+        specular_roughness: 0.885,
+        specular_roughness_anisotropy: 0.171,
+        coat_weight: 1.0,
+        coat_ior: 2.8,
+        coat_roughness: 0.379,
+        thin_film_weight: 1.0,
+        thin_film_thickness: 0.197,
+        thin_film_ior: 1.137,
+        ..white()
+    };
+    for angle in [0.0, 50.0, 75.0, 85.0, 89.0] {
+        for anisotropy in [0.0, 0.171, 0.6, 0.9] {
+            let p = OpenPbrParams { specular_roughness_anisotropy: anisotropy, ..p };
+            let albedo = directional_albedo(&closure(&p, false), wo_at(angle));
+            assert!(albedo.max_element() <= 1.001, "{angle}° anisotropy {anisotropy}: {albedo:?}");
+        }
+    }
+}

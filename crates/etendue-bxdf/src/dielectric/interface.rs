@@ -5,6 +5,7 @@ use crate::{
     fresnel_term::{Dielectric, Fresnel},
 };
 use etendue_color::Spectrum;
+use glam::Vec3A;
 
 /// Relative indices of refraction nearer to 1 than this count as 1: such a boundary reflects 2.5e-7 of the light at
 /// normal incidence and bends it by less than 0.06° up to 45°.
@@ -41,18 +42,20 @@ pub trait Interface: Copy {
         Spectrum::ONE - self.reflect_between(near, far)
     }
 
-    /// The part that is reflected by all the microfacets that are seen at an angle of cosine `cos` to the surface, over
-    /// which Schlick's (1 − cos)⁵ has the mean `w`: exact for interfaces that follow Schlick's curve and for smooth
+    /// The part that is reflected by all the microfacets that are seen from `wo` (in the lobe's frame), over which
+    /// Schlick's (1 − cos)⁵ has the mean `w`: exact for interfaces that follow Schlick's curve and for smooth
     /// surfaces, an estimate for others.
     #[inline(always)]
-    fn reflect_mean(&self, cos: f32, w: f32) -> Spectrum {
+    fn reflect_mean(&self, wo: Vec3A, w: f32) -> Spectrum {
+        let cos = wo.z;
         let steep = self.reflect(0.0) - self.reflect(1.0);
         shifted(self.reflect(cos), steep, w - schlick_weight(cos))
     }
 
     /// The part that passes them, as [`Interface::reflect_mean`].
     #[inline(always)]
-    fn transmit_mean(&self, cos: f32, w: f32) -> Spectrum {
+    fn transmit_mean(&self, wo: Vec3A, w: f32) -> Spectrum {
+        let cos = wo.z;
         let steep = self.transmit(0.0) - self.transmit(1.0);
         shifted(self.transmit(cos), steep, w - schlick_weight(cos))
     }

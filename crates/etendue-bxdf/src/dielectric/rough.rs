@@ -205,7 +205,7 @@ impl<I: Interface> GgxDielectric<I> {
         let [ax, ay] = self.ggx.alpha();
         // Roughness of the mean α: α = roughness².
         let w = Row::new((ax * ay).sqrt().sqrt()).directional(wo.z).w;
-        self.split(self.interface.reflect_mean(wo.z, w), self.interface.transmit_mean(wo.z, w))
+        self.split(self.interface.reflect_mean(wo, w), self.interface.transmit_mean(wo, w))
     }
 
     /// Value and density of a pair on one side.

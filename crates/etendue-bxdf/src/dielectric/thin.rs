@@ -81,8 +81,8 @@ impl<I: Interface> ThinGgx<I> {
             }
             let albedo = self.row[side].directional(wo.z);
             let mean = match side {
-                0 => self.interface.reflect_mean(wo.z, albedo.w),
-                _ => self.interface.transmit_mean(wo.z, albedo.w),
+                0 => self.interface.reflect_mean(wo, albedo.w),
+                _ => self.interface.transmit_mean(wo, albedo.w),
             };
             mean * self.tint[side] * albedo.e
         })

@@ -11,7 +11,7 @@ use crate::{
     thin_film::{FilmView, Lanes, ThinFilm},
 };
 use etendue_color::Spectrum;
-use glam::vec3a;
+use glam::Vec3A;
 
 /// The reflectances of the three kinds of facet, lanes 0..1, without tints and weights.
 #[derive(Clone, Copy, Debug)]
@@ -311,12 +311,12 @@ impl Boundary {
         (self.both(cos) - Spectrum::splat(boundary(cos, self.eta))).map(f32::abs)
     }
 
-    /// The mean reflectance of the facets.
+    /// The mean reflectance of the facets seen from `wo`, and how far it may be too low.
     #[inline]
-    fn mean(&self, cos: f32) -> Spectrum {
-        let wo = vec3a((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
-        let [mean] = self.lobe.seen(wo).mean(|cos| [self.both(cos)]);
-        mean
+    fn mean(&self, wo: Vec3A) -> (Spectrum, f32) {
+        let seen = self.lobe.seen(wo);
+        let [mean] = seen.mean(|cos| [self.both(cos)]);
+        (mean, seen.slack)
     }
 
     /// Reflectance at an angle on the near side.
@@ -346,12 +346,13 @@ impl Interface for Boundary {
     }
     /// Asked for where both sides have the same index, and a film or a coat reflects.
     #[inline(always)]
-    fn reflect_mean(&self, cos: f32, _w: f32) -> Spectrum {
-        if self.front { Spectrum::ZERO } else { self.mean(cos) }
+    fn reflect_mean(&self, wo: Vec3A, _w: f32) -> Spectrum {
+        if self.front { Spectrum::ZERO } else { self.mean(wo).0 }
     }
     #[inline(always)]
-    fn transmit_mean(&self, cos: f32, _w: f32) -> Spectrum {
-        Spectrum::ONE - self.mean(cos)
+    fn transmit_mean(&self, wo: Vec3A, _w: f32) -> Spectrum {
+        let (mean, slack) = self.mean(wo);
+        (Spectrum::splat(1.0 - slack) - mean).max(Spectrum::ZERO)
     }
     /// Both sides of the boundary ask at the outer angle, which they agree on.
     #[inline(always)]
