@@ -90,10 +90,12 @@ fn poisson_p(k: f64, expected: f64, slack: f64) -> f64 {
     (2.0 * many.min(few)).min(1.0)
 }
 
-/// |a − b| relative to the larger; zero for two zeros.
+/// Numbers below this have lost digits on the way, or have come from some that have: near f32's least normal number.
+const FEW_DIGITS: f64 = 1e-34;
+
+/// |a − b| relative to the larger, or to [`FEW_DIGITS`] where both are smaller.
 fn relative(a: f32, b: f32) -> f64 {
-    let larger = a.abs().max(b.abs()) as f64;
-    if larger == 0.0 { 0.0 } else { ((a as f64) - (b as f64)).abs() / larger }
+    ((a as f64) - (b as f64)).abs() / (a.abs().max(b.abs()) as f64).max(FEW_DIGITS)
 }
 
 #[cfg(test)]
