@@ -79,7 +79,7 @@ pub(crate) struct ModelArgs {
     #[arg(long, value_name = "KEY=VALUE", help_heading = "Real time")]
     pub choice: Vec<String>,
     /// Samples of a pixel of the real-time picture
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65536), help_heading = "Real time")]
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=65536), help_heading = "Real time")]
     pub realtime_samples: u32,
     /// Which choices are changed in turn: all, or keys separated by commas
     #[arg(long, value_name = "LIST", default_value = "all", help_heading = "Real time")]
