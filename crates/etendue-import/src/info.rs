@@ -326,7 +326,7 @@ impl Info {
 }
 
 impl ImageInfo {
-    fn set_decoded(&mut self, d: &Decoded) {
+    pub(crate) fn set_decoded(&mut self, d: &Decoded) {
         self.used = true;
         self.format = d.format;
         (self.width, self.height, self.channels) = (d.image.width, d.image.height, d.image.channels);

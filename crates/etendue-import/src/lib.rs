@@ -1,4 +1,5 @@
-//! Files to [`Scene`](etendue_scene::Scene) and back: glTF 2.0 in its two forms, `.gltf` and `.glb`; OBJ, PLY and STL.
+//! Files to [`Scene`](etendue_scene::Scene) and back: glTF 2.0 in its two forms, `.gltf` and `.glb`; OBJ, PLY and STL; and scene
+//! files ([`scene_file`]), which put several models into one scene.
 //!
 //! ```no_run
 //! use etendue_import::{ImportOptions, import};
@@ -56,6 +57,7 @@ mod place;
 mod plan;
 mod ply;
 mod polygon;
+pub mod scene_file;
 mod sizes;
 mod skin;
 mod source;

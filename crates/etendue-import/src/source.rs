@@ -79,6 +79,15 @@ pub(crate) enum ReadError {
     TooLarge(u64),
 }
 
+impl std::fmt::Display for ReadError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Io(e) => e.fmt(f),
+            Self::TooLarge(n) => write!(f, "{n} bytes are more than the limit `file_bytes` allows"),
+        }
+    }
+}
+
 /// Reads a whole file of at most `limit` bytes. Folders and devices are refused.
 pub(crate) fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
     // Opening a pipe would block, so its kind is asked first.

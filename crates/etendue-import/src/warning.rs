@@ -49,7 +49,8 @@ impl Warnings {
         }
     }
 
-    fn join(&mut self, w: Warning) {
+    /// Adds one.
+    pub fn join(&mut self, w: Warning) {
         if let Some(&i) = self.by_message.get(&w.message) {
             self.list[i].count += w.count;
         } else if self.list.len() < MAX_KINDS {

@@ -2,6 +2,7 @@
 //!
 //! Factors are multiplied by their textures where there are some; each field's documentation names the texture's channel.
 
+use crate::material::normal;
 use crate::{NormalTexture, TextureRef};
 use glam::Vec3;
 
@@ -158,30 +159,42 @@ impl Default for Volume {
     }
 }
 
+/// The textures of extensions, shared or to be changed: one list for both.
+macro_rules! textures {
+    ($e:ident, $borrow:ident) => {{
+        let (mut coat, mut sheen) = ([None, None, None], [None, None]);
+        let (mut diffuse, mut film) = ([None, None], [None, None]);
+        if let Some(Clearcoat { texture, roughness_texture, normal_texture, .. }) = $e.clearcoat.$borrow() {
+            coat = [texture.$borrow(), roughness_texture.$borrow(), normal!(normal_texture, $borrow)];
+        }
+        if let Some(DiffuseTransmission { texture, color_texture, .. }) = $e.diffuse_transmission.$borrow() {
+            diffuse = [texture.$borrow(), color_texture.$borrow()];
+        }
+        if let Some(Iridescence { texture, thickness_texture, .. }) = $e.iridescence.$borrow() {
+            film = [texture.$borrow(), thickness_texture.$borrow()];
+        }
+        if let Some(Sheen { color_texture, roughness_texture, .. }) = $e.sheen.$borrow() {
+            sheen = [color_texture.$borrow(), roughness_texture.$borrow()];
+        }
+        let others = [
+            $e.anisotropy.$borrow().and_then(|e| e.texture.$borrow()),
+            $e.specular_glossiness.$borrow().and_then(|e| e.texture.$borrow()),
+            $e.transmission.$borrow().and_then(|e| e.texture.$borrow()),
+            $e.volume.$borrow().and_then(|e| e.thickness_texture.$borrow()),
+        ];
+        coat.into_iter().chain(diffuse).chain(film).chain(sheen).chain(others).flatten()
+    }};
+}
+
 impl Extensions {
     /// Every texture that they refer to.
     pub fn textures(&self) -> impl Iterator<Item = &TextureRef> {
-        let coat = self.clearcoat.as_ref();
-        let diffuse = self.diffuse_transmission.as_ref();
-        let film = self.iridescence.as_ref();
-        let sheen = self.sheen.as_ref();
-        [
-            self.anisotropy.as_ref().and_then(|e| e.texture.as_ref()),
-            coat.and_then(|e| e.texture.as_ref()),
-            coat.and_then(|e| e.roughness_texture.as_ref()),
-            coat.and_then(|e| e.normal_texture.as_ref()).map(|n| &n.texture),
-            diffuse.and_then(|e| e.texture.as_ref()),
-            diffuse.and_then(|e| e.color_texture.as_ref()),
-            film.and_then(|e| e.texture.as_ref()),
-            film.and_then(|e| e.thickness_texture.as_ref()),
-            sheen.and_then(|e| e.color_texture.as_ref()),
-            sheen.and_then(|e| e.roughness_texture.as_ref()),
-            self.specular_glossiness.as_ref().and_then(|e| e.texture.as_ref()),
-            self.transmission.as_ref().and_then(|e| e.texture.as_ref()),
-            self.volume.as_ref().and_then(|e| e.thickness_texture.as_ref()),
-        ]
-        .into_iter()
-        .flatten()
+        textures!(self, as_ref)
+    }
+
+    /// The same, to be changed.
+    pub fn textures_mut(&mut self) -> impl Iterator<Item = &mut TextureRef> {
+        textures!(self, as_mut)
     }
 
     /// True if every factor is a number, and finite where it has to be.

@@ -107,21 +107,40 @@ impl Default for Material {
     }
 }
 
-impl Material {
-    /// Every texture that the material refers to.
-    pub fn textures(&self) -> impl Iterator<Item = &TextureRef> {
+/// The textures of a material without its extensions, shared or to be changed: one list for both.
+macro_rules! textures {
+    ($m:ident, $borrow:ident) => {
         [
-            self.base_color_texture.as_ref(),
-            self.metallic_roughness_texture.as_ref(),
-            self.normal_texture.as_ref().map(|n| &n.texture),
-            self.occlusion_texture.as_ref(),
-            self.emissive_texture.as_ref(),
-            self.specular_texture.as_ref(),
-            self.specular_color_texture.as_ref(),
+            $m.base_color_texture.$borrow(),
+            $m.metallic_roughness_texture.$borrow(),
+            normal!($m.normal_texture, $borrow),
+            $m.occlusion_texture.$borrow(),
+            $m.emissive_texture.$borrow(),
+            $m.specular_texture.$borrow(),
+            $m.specular_color_texture.$borrow(),
         ]
         .into_iter()
         .flatten()
-        .chain(self.extensions.iter().flat_map(|e| e.textures()))
+    };
+}
+
+/// The texture of an optional normal map.
+macro_rules! normal {
+    ($map:expr, $borrow:ident) => {
+        $map.$borrow().map(|crate::NormalTexture { texture, .. }| texture)
+    };
+}
+pub(crate) use normal;
+
+impl Material {
+    /// Every texture that the material refers to.
+    pub fn textures(&self) -> impl Iterator<Item = &TextureRef> {
+        textures!(self, as_ref).chain(self.extensions.iter().flat_map(|e| e.textures()))
+    }
+
+    /// The same, to be changed: for those who put scenes together.
+    pub fn textures_mut(&mut self) -> impl Iterator<Item = &mut TextureRef> {
+        textures!(self, as_mut).chain(self.extensions.iter_mut().flat_map(|e| e.textures_mut()))
     }
 
     /// True if every factor is a finite number.

@@ -25,6 +25,18 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Bytes of its vertices and triangles.
+    pub fn bytes(&self) -> u64 {
+        let uvs: usize = self.uvs.iter().map(|uv| size_of_val(uv.as_slice())).sum();
+        let all = size_of_val(self.positions.as_slice())
+            + size_of_val(self.normals.as_slice())
+            + size_of_val(self.tangents.as_slice())
+            + size_of_val(self.colors.as_slice())
+            + size_of_val(self.indices.as_slice())
+            + uvs;
+        all as u64
+    }
+
     /// Checks array lengths, index ranges and that positions and attributes are finite.
     ///
     /// # Errors
