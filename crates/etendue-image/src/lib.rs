@@ -3,7 +3,7 @@
 //!
 //! - [`decode`]: PNG, JPEG, WebP, KTX2 → [`Image`] at the file's own depth, for textures.
 //! - [`Ktx2`]: all that a KTX2 texture holds: mips, layers, faces, whether its colours are encoded.
-//! - [`read_environment`]: Radiance HDR, OpenEXR → linear light without a pixel that is not finite.
+//! - [`read_environment`]: Radiance HDR, OpenEXR, cubes of KTX2 and DDS, strips and crosses → linear light without a pixel that is not finite.
 //! - [`decode_picture`]: any of these as it stands, to be looked at or compared.
 //! - [`write_picture`], [`write_layers_exr`]: light → files, atomically, with [`Metadata`].
 //! - [`develop`]: exposure, tone curve, encoding.
@@ -11,8 +11,9 @@
 #![forbid(unsafe_code)]
 
 mod atomic;
+mod bc6h;
 mod buffer;
-mod cube_strip;
+mod dds;
 mod decode;
 mod develop;
 mod environment;
@@ -30,7 +31,9 @@ pub use atomic::write_atomic;
 pub use buffer::{Image, Pixels};
 pub use decode::{DecodeLimits, decode};
 pub use develop::{Depth, Development, develop};
-pub use environment::{Environment, decode_environment, read_environment};
+pub use environment::{
+    Environment, SkyLayout, decode_environment, decode_environment_as, read_environment, read_environment_as,
+};
 pub use error::ImageError;
 pub use exr_read::read_exr_layers;
 pub use exr_write::{ChannelData, ExrImage, Layer, write_layers_exr};

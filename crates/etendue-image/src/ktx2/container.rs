@@ -124,7 +124,7 @@ impl<'a> Container<'a> {
         if (self.scheme == Scheme::BasisLz) != (model == Model::Etc1s) {
             return Err(ImageError::damaged(F, "BasisLZ without ETC1S, or ETC1S without BasisLZ"));
         }
-        if model != Model::Plain && (self.format != 0 || self.depth > 1) {
+        if matches!(model, Model::Etc1s | Model::Uastc) && (self.format != 0 || self.depth > 1) {
             return Err(ImageError::damaged(F, "a format or a depth with Basis Universal's data"));
         }
         Ok(())

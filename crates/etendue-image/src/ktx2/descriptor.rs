@@ -10,6 +10,8 @@ pub(super) enum Model {
     Plain,
     Etc1s,
     Uastc,
+    /// Blocks of light for graphics hardware.
+    Bc6h,
 }
 
 /// A sample of a texel.
@@ -61,6 +63,7 @@ impl Descriptor {
         let samples: Vec<Sample> = samples.iter().map(Sample::read).collect();
         let (kind, texel) = match model & 255 {
             1 => (Model::Plain, 0),
+            133 => (Model::Bc6h, 0x0303),
             163 => (Model::Etc1s, 0x0303),
             166 => (Model::Uastc, 0x0303),
             n => return Err(ImageError::unsupported(F, format!("texels of {}", model_name(n)))),
@@ -113,7 +116,6 @@ fn model_name(model: u32) -> String {
         130 => "BC3",
         131 => "BC4",
         132 => "BC5",
-        133 => "BC6H",
         134 => "BC7",
         160 => "ETC1",
         161 => "ETC2",

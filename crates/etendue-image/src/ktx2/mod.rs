@@ -1,8 +1,8 @@
 //! KTX 2.0: textures with their mips, faces and layers, in plain samples or as Basis Universal codes them.
 //!
 //! Read: every format of plain red, green, blue and alpha samples that stand in whole texels (1 to 32 bits normalised, half
-//! and single floats, packed floats with and without a common exponent), UASTC and ETC1S, without supercompression or with
-//! Zstandard, zlib or BasisLZ. Not read: depth and stencil, integers, chroma of its own size, formats of one kind of
+//! and single floats, packed floats with and without a common exponent), UASTC, ETC1S and BC6H, without supercompression or with
+//! Zstandard, zlib or BasisLZ. Not read: depth and stencil, integers, chroma of its own size, other formats of one kind of
 //! graphics hardware (BC, ETC2, ASTC, PVRTC), video. Written from Khronos, "KTX File Format Specification" 2.0 and "Khronos
 //! Data Format Specification" 1.3.
 
@@ -14,7 +14,7 @@ mod inflate;
 mod plain;
 mod uastc;
 
-use crate::{DecodeLimits, Image, ImageError, Pixels};
+use crate::{DecodeLimits, Image, ImageError, Pixels, bc6h};
 use container::Container;
 use descriptor::{Descriptor, Model};
 
@@ -106,12 +106,13 @@ impl<'a> Ktx2<'a> {
         self.descriptor.premultiplied
     }
 
-    /// How the texels are coded, for people: `UASTC`, `ETC1S`, `plain`.
+    /// How the texels are coded, for people: `UASTC`, `ETC1S`, `BC6H`, `plain`.
     pub fn coding(&self) -> &'static str {
         match self.descriptor.model {
             Model::Plain => "plain",
             Model::Etc1s => "ETC1S",
             Model::Uastc => "UASTC",
+            Model::Bc6h => "BC6H",
         }
     }
 
@@ -155,6 +156,7 @@ impl<'a> Ktx2<'a> {
         } else {
             let one = match self.descriptor.model {
                 Model::Uastc => uastc::size(width, height),
+                Model::Bc6h => bc6h::size(width, height),
                 _ => texels * u64::from(self.descriptor.texel_bytes),
             };
             let whole = one.saturating_mul(c.images_of(mip));
@@ -164,6 +166,7 @@ impl<'a> Ktx2<'a> {
                 .take(count as usize)
                 .map(|b| match self.descriptor.model {
                     Model::Uastc => uastc::image(b, width, height, &self.descriptor),
+                    Model::Bc6h => Ok(self.light(b, width, height)),
                     _ => plain::image(b, width, height, &self.descriptor),
                 })
                 .collect::<Result<Vec<_>, _>>()?
@@ -176,7 +179,16 @@ impl<'a> Ktx2<'a> {
         match self.descriptor.model {
             Model::Plain => plain::bytes_per_texel(&self.descriptor),
             Model::Etc1s | Model::Uastc => 4,
+            Model::Bc6h => 12,
         }
+    }
+
+    /// A picture in blocks of light.
+    fn light(&self, bytes: &[u8], width: u32, height: u32) -> Texels {
+        let signed = self.descriptor.samples.iter().any(|s| s.signed);
+        let pixels = Pixels::F32(bc6h::image(bytes, width, height, signed));
+        let map = [Channel::From(0), Channel::From(1), Channel::From(2), Channel::One];
+        Texels { width, height, channels: 3, pixels, map }
     }
 
     /// What can be said of plain samples before one is read.
@@ -186,6 +198,46 @@ impl<'a> Ktx2<'a> {
         }
         Ok(())
     }
+}
+
+/// A sample of a texel of another container.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlainSample {
+    pub bit: u32,
+    pub bits: u32,
+    /// 0 red, 1 green, 2 blue, 15 alpha.
+    pub channel: u8,
+    pub float: bool,
+    pub signed: bool,
+    /// The common exponent of all.
+    pub exponent: bool,
+}
+
+/// A picture of plain samples that stand in texels of `texel` bytes, at most 32; `bytes` are those of all texels.
+pub(crate) fn plain_picture(
+    bytes: &[u8],
+    (width, height): (u32, u32),
+    texel: u32,
+    samples: &[PlainSample],
+) -> Result<Image, ImageError> {
+    let samples = samples.iter().map(|s| descriptor::Sample {
+        bit: s.bit,
+        bits: s.bits,
+        channel: s.channel,
+        float: s.float,
+        signed: s.signed,
+        exponent: s.exponent,
+        lower: 0,
+        upper: u32::MAX >> (32 - s.bits.min(32)),
+    });
+    let descriptor = Descriptor {
+        model: Model::Plain,
+        srgb: false,
+        premultiplied: false,
+        texel_bytes: texel,
+        samples: samples.collect(),
+    };
+    Ok(View::PLAIN.apply(plain::image(bytes, width, height, &descriptor)?))
 }
 
 /// The texels of a picture as they are coded: `Image` with channels that may mean anything.
@@ -200,8 +252,15 @@ struct Texels {
 }
 
 impl View {
+    /// As it stands.
+    const PLAIN: Self = Self {
+        swizzle: [Channel::From(0), Channel::From(1), Channel::From(2), Channel::From(3)],
+        upwards: false,
+        leftwards: false,
+    };
+
     fn new(c: &Container<'_>) -> Result<Self, ImageError> {
-        let mut view = Self { swizzle: [0, 1, 2, 3].map(Channel::From), upwards: false, leftwards: false };
+        let mut view = Self::PLAIN;
         if let Some(s) = c.value("KTXswizzle") {
             let letters = s.strip_suffix(b"\0").unwrap_or(s);
             if letters.len() != 4 {

@@ -6,8 +6,9 @@ use super::compare_args::CompareArgs;
 use super::lab_args::LabArgs;
 use super::model_args::{CheckArgs, ConvertArgs, InfoArgs};
 use super::sheet_args::SheetArgs;
+use super::sky_args::SkyArgs;
 use super::values::{
-    Vec3Arg, bits, duration, field_of_view, finite, non_negative, path, positive, range, size, text, vec3,
+    Vec3Arg, bits, duration, field_of_view, finite, path, positive, range, size, text, vec3,
 };
 use crate::bxdf::model::Field;
 use crate::bxdf::multiscatter::Compensation;
@@ -64,22 +65,9 @@ pub(crate) struct RenderArgs {
     #[arg(short, long, value_name = "FILE")]
     #[serde(with = "path")]
     pub output: Option<PathBuf>,
-    /// Sky: a .hdr or .exr file, `studio` (built in), `none`, or a colour as R,G,B (linear) [default: studio]
-    #[arg(long, value_name = "SKY", help_heading = "Scene")]
-    pub env: Option<String>,
-    /// Turn the sky about the vertical, degrees, counter-clockwise from above
-    #[arg(
-        long,
-        value_name = "DEG",
-        default_value_t = 0.0,
-        allow_negative_numbers = true,
-        value_parser = finite,
-        help_heading = "Scene"
-    )]
-    pub env_rotation: f32,
-    /// Multiply the sky
-    #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true, value_parser = non_negative, help_heading = "Scene")]
-    pub env_intensity: f32,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub sky: SkyArgs,
     /// Evaluate the model's animation at this time instead of at rest
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = finite, help_heading = "Scene")]
     pub at: Option<f32>,

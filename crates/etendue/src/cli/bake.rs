@@ -171,7 +171,8 @@ fn cubes(
 /// Reads and bakes the sky.
 fn sky(args: &BakeArgs, options: &BakeOptions) -> Result<(Source, Baked), CliError> {
     let name = args.sky.as_deref().unwrap_or("studio");
-    let (environment, mut notes) = load::sky(name, args.env_rotation, args.env_intensity)?;
+    let (environment, mut notes) =
+        load::sky_as(name, args.env_layout, args.env_rotation, args.env_intensity)?;
     let map = SkyMap::new(&environment).map_err(|e| CliError::Other(format!("{name}: {e}")))?;
     notes.extend(remarks(name, &environment, &map));
     if !args.quiet {

@@ -2,6 +2,7 @@
 
 use super::values::{Vec3Arg, finite, non_negative, vec3};
 use crate::ibl::{DfgLayout, Kernel, MipMapping, TexelFormat, Window};
+use crate::image::SkyLayout;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -31,7 +32,7 @@ impl CubeFormat {
 
 #[derive(Debug, Args)]
 pub(crate) struct BakeArgs {
-    /// Sky: a .hdr or .exr file, `studio` (built in), or a colour as R,G,B (linear); with --probes the model, a .glb or .gltf file
+    /// Sky: a .hdr, .exr, .ktx2 or .dds file, `studio` (built in), or a colour as R,G,B (linear); with --probes the model, a .glb or .gltf file
     #[arg(value_name = "SKY|MODEL", required_unless_present_any = ["dfg", "probe"])]
     pub sky: Option<String>,
     /// A folder for everything, or a file for the prefiltered cube alone (.ktx2 .dds .exr .hdr), for the table with --dfg (.exr .hdr), or for
@@ -44,6 +45,9 @@ pub(crate) struct BakeArgs {
     /// Texels of .ktx2 and .dds: rgba16f, rgb9e5, bc6h
     #[arg(long, value_name = "TEXEL", default_value_t, help_heading = "Files")]
     pub encoding: TexelFormat,
+    /// How the sky's file shows all directions: latlong, strip, strip-exr, cross, cross-texture [default: what the file says or looks like]
+    #[arg(long, value_name = "LAYOUT", help_heading = "Sky")]
+    pub env_layout: Option<SkyLayout>,
     /// Turn the sky about the vertical, degrees, counter-clockwise from above
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite, help_heading = "Sky")]
     pub env_rotation: f32,
@@ -62,7 +66,7 @@ pub(crate) struct BakeArgs {
     /// The box of --probes [default: the model's], or the one on whose walls the picture of --probe lies (for parallax correction), metres
     #[arg(long = "box", value_name = "X,Y,Z,X,Y,Z", value_parser = corners, allow_hyphen_values = true, help_heading = "Probes")]
     pub volume: Option<Corners>,
-    /// Sky of the model: a .hdr or .exr file, `studio`, `none`, or a colour as R,G,B [default: studio]
+    /// Sky of the model: a .hdr, .exr, .ktx2 or .dds file, `studio`, `none`, or a colour as R,G,B [default: studio]
     #[arg(long, value_name = "SKY", help_heading = "Probes")]
     pub env: Option<String>,
     /// Texels along an edge of the faces that are path-traced [default: --size]

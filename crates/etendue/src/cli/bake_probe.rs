@@ -16,7 +16,7 @@ use std::path::Path;
 fn world(args: &BakeArgs, model: &Path) -> Result<(World, String, Vec<String>), CliError> {
     let imported = load::model(Some(model), None, args.allow_outside)?;
     let sky = args.env.as_deref().unwrap_or("studio");
-    let (environment, notes) = load::sky(sky, args.env_rotation, args.env_intensity)?;
+    let (environment, notes) = load::sky_as(sky, args.env_layout, args.env_rotation, args.env_intensity)?;
     let notes: Vec<String> = imported.warnings.iter().map(ToString::to_string).chain(notes).collect();
     let mut scene = imported.scene;
     scene.environment = environment;

@@ -1,6 +1,7 @@
 //! What can be said to `etendue compare`.
 
 use super::args::RenderArgs;
+use super::sky_args::SkyArgs;
 use super::values::{Vec3Arg, finite, non_negative, size, vec3};
 use crate::color::ToneCurve;
 use clap::Args;
@@ -45,15 +46,8 @@ pub(crate) struct CompareArgs {
 /// What only concerns models.
 #[derive(Debug, Args)]
 pub(crate) struct ModelArgs {
-    /// Sky, as for `etendue render` [default: studio]
-    #[arg(long, value_name = "SKY", help_heading = "Model")]
-    pub env: Option<String>,
-    /// Turn the sky about the vertical, degrees, counter-clockwise from above
-    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite, help_heading = "Model")]
-    pub env_rotation: f32,
-    /// Multiply the sky
-    #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true, value_parser = non_negative, help_heading = "Model")]
-    pub env_intensity: f32,
+    #[command(flatten)]
+    pub sky: SkyArgs,
     /// A camera of the file, by number (from 0) or name [default: frames the model]
     #[arg(long, value_name = "N|NAME", conflicts_with_all = ["eye", "target"], help_heading = "Model")]
     pub camera: Option<String>,
@@ -145,9 +139,7 @@ impl CompareArgs {
         let m = &self.model;
         RenderArgs {
             model: model.map(Path::to_path_buf),
-            env: m.env.clone(),
-            env_rotation: m.env_rotation,
-            env_intensity: m.env_intensity,
+            sky: m.sky.clone(),
             camera: m.camera.clone(),
             eye: m.eye,
             target: m.target,
@@ -165,8 +157,9 @@ impl CompareArgs {
 }
 
 /// Fields of [`ModelArgs`].
-const OF_MODELS: [&str; 20] = [
+const OF_MODELS: [&str; 21] = [
     "env",
+    "env_layout",
     "env_rotation",
     "env_intensity",
     "camera",

@@ -4,7 +4,7 @@ use super::args::RenderArgs;
 use super::material::{Replacement, compensate};
 use super::{CliError, note_line};
 use crate::builtin;
-use crate::image::read_environment;
+use crate::image::{SkyLayout, read_environment_as};
 use crate::import::{ImportOptions, Imported, Limits, import};
 use crate::scene::{Camera, Environment, Projection, Scene};
 use glam::Vec3;
@@ -68,11 +68,23 @@ fn read(path: Option<&Path>, options: &ImportOptions) -> Result<Imported, CliErr
 
 /// The sky that the arguments name, and what was done to it beyond reading it.
 pub(crate) fn environment(args: &RenderArgs) -> Result<(Environment, Vec<String>), CliError> {
-    sky(args.env.as_deref().unwrap_or("studio"), args.env_rotation, args.env_intensity)
+    let s = &args.sky;
+    sky_as(s.env.as_deref().unwrap_or("studio"), s.env_layout, s.env_rotation, s.env_intensity)
 }
 
-/// A sky by file, name or colour, turned by `degrees` and multiplied; and what was done to it beyond reading it.
+/// As [`sky_as`], whatever the layout of a file.
 pub(crate) fn sky(sky: &str, degrees: f32, intensity: f32) -> Result<(Environment, Vec<String>), CliError> {
+    sky_as(sky, None, degrees, intensity)
+}
+
+/// A sky by file (of a `layout`, if that is said), name or colour, turned by `degrees` and multiplied; and what was done to it
+/// beyond reading it.
+pub(crate) fn sky_as(
+    sky: &str,
+    layout: Option<SkyLayout>,
+    degrees: f32,
+    intensity: f32,
+) -> Result<(Environment, Vec<String>), CliError> {
     let rotation = degrees.to_radians();
     let constant = |c: [f32; 3]| (Environment::Constant(Vec3::from(c) * intensity), Vec::new());
     if sky == "none" {
@@ -91,7 +103,7 @@ pub(crate) fn sky(sky: &str, degrees: f32, intensity: f32) -> Result<(Environmen
     if let Err(source) = std::fs::metadata(path) {
         return Err(CliError::Sky { path: path.to_path_buf(), source });
     }
-    let e = read_environment(path)?;
+    let e = read_environment_as(path, layout)?;
     let image = Arc::new(e.image);
     let notes = e.notes.iter().map(|n| format!("{sky}: {n}")).collect();
     Ok((Environment::LatLong { image, rotation, intensity }, notes))

@@ -32,6 +32,7 @@ mod resume;
 mod sheet;
 mod sheet_args;
 mod sheet_page;
+mod sky_args;
 mod target;
 mod tonemap;
 mod values;

@@ -125,7 +125,8 @@ fn film_info(args: &RenderArgs, renderer: &Renderer, world: &World) -> FilmInfo 
     let mut stored = args.clone();
     stored.model = stored.model.as_deref().map(absolute);
     stored.output = Some(absolute(&target::output_path(args)));
-    stored.env = stored
+    stored.sky.env = stored
+        .sky
         .env
         .map(|e| if Path::new(&e).is_file() { absolute(Path::new(&e)).display().to_string() } else { e });
     let command: Vec<String> = std::env::args_os().map(|a| shell_word(&a.to_string_lossy())).collect();
