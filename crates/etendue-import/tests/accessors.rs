@@ -189,3 +189,19 @@ fn data_that_are_not_there() {
         assert!(e.contains(expected), "{expected} not in: {e}");
     }
 }
+
+#[test]
+fn types_that_are_not_known_harm_only_what_uses_them() {
+    for (key, value) in [("type", json!("VEC5")), ("componentType", json!(5124))] {
+        let mut m = Model::new();
+        let other = m.floats(&[0.0; 12], "VEC4");
+        m.json["accessors"][other as usize][key] = value;
+        let mesh = m.triangle(json!({}));
+        let model = m.import();
+        assert_eq!(model.scene.triangle_count(), 1);
+        let place = format!("/accessors/{other}/{key}");
+        assert!(model.warnings.iter().any(|w| w.pointer == place), "{:?}", model.warnings);
+        m.json["meshes"][mesh as usize]["primitives"][0]["attributes"]["COLOR_0"] = json!(other);
+        assert!(m.error().contains("has a type that is not known"), "{}", m.error());
+    }
+}

@@ -39,8 +39,8 @@ pub(super) struct Descriptor {
     pub samples: Vec<Sample>,
 }
 
-/// More samples than any format has.
-const MAX_SAMPLES: usize = 16;
+/// More samples than any descriptor has: no format needs more than 16, but a file may repeat some.
+const MAX_SAMPLES: usize = 64;
 
 impl Descriptor {
     pub fn read(bytes: &[u8]) -> Result<Self, ImageError> {

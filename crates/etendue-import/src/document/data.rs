@@ -121,16 +121,20 @@ impl Component {
         }
     }
 
-    fn read<'v>(r: &mut Reader<'v>, v: &'v Value) -> Result<Self, Fault> {
-        Ok(match r.count(v)? {
+    /// The type, or `None` and a warning for one that is not known: something that nobody uses may have it.
+    fn read<'v>(r: &mut Reader<'v>, v: &'v Value) -> Result<Option<Self>, Fault> {
+        Ok(Some(match r.count(v)? {
             5120 => Self::I8,
             5121 => Self::U8,
             5122 => Self::I16,
             5123 => Self::U16,
             5125 => Self::U32,
             5126 => Self::F32,
-            n => return Err(r.fault(format!("{n} is no component type (5120-5123, 5125, 5126 are)"))),
-        })
+            n => {
+                r.warn(format!("{n} is no component type (5120-5123, 5125, 5126 are): of no use"));
+                return Ok(None);
+            }
+        }))
     }
 }
 
@@ -144,6 +148,8 @@ pub(crate) enum Shape {
     Mat2,
     Mat3,
     Mat4,
+    /// A type that is not known, of elements or of their components; nothing accepts it.
+    Unknown,
 }
 
 impl Shape {
@@ -157,6 +163,7 @@ impl Shape {
             Self::Mat2 => "MAT2",
             Self::Mat3 => "MAT3",
             Self::Mat4 => "MAT4",
+            Self::Unknown => "a type that is not known",
         }
     }
 
@@ -169,6 +176,7 @@ impl Shape {
             Self::Vec4 | Self::Mat2 => 4,
             Self::Mat3 => 9,
             Self::Mat4 => 16,
+            Self::Unknown => 0,
         }
     }
 
@@ -191,7 +199,10 @@ impl Shape {
             "MAT2" => Self::Mat2,
             "MAT3" => Self::Mat3,
             "MAT4" => Self::Mat4,
-            s => return Err(r.fault(format!("`{s}` is no accessor type"))),
+            s => {
+                r.warn(format!("`{s}` is no accessor type: of no use"));
+                Self::Unknown
+            }
         })
     }
 }
@@ -214,7 +225,7 @@ impl Sparse {
         let (indices_view, indices_offset, indices_component) = r.req(o, "indices", |r, v| {
             let o = r.object(v)?;
             let component = r.req(o, "componentType", |r, v| match Component::read(r, v)? {
-                c @ (Component::U8 | Component::U16 | Component::U32) => Ok(c),
+                Some(c @ (Component::U8 | Component::U16 | Component::U32)) => Ok(c),
                 _ => Err(r.fault("sparse indices are unsigned integers (5121, 5123, 5125)")),
             })?;
             Ok((
@@ -251,13 +262,15 @@ impl Accessor {
     pub fn read<'v>(r: &mut Reader<'v>, v: &'v Value) -> Result<Self, Fault> {
         let o = r.object(v)?;
         r.other_extensions(o, &extensions::ON_ACCESSOR);
+        let component = r.req(o, "componentType", Component::read)?;
+        let shape = r.req(o, "type", Shape::read)?;
         Ok(Self {
             buffer_view: r.opt(o, "bufferView", Reader::index)?,
             byte_offset: r.opt(o, "byteOffset", Reader::count)?.unwrap_or(0),
-            component: r.req(o, "componentType", Component::read)?,
+            component: component.unwrap_or(Component::U8),
             normalized: r.opt(o, "normalized", Reader::boolean)?.unwrap_or(false),
             count: r.req(o, "count", Reader::count)?,
-            shape: r.req(o, "type", Shape::read)?,
+            shape: if component.is_some() { shape } else { Shape::Unknown },
             sparse: r.opt(o, "sparse", |r, v| Sparse::read(r, v).map(Box::new))?,
             decoded: None,
             origin: None,

@@ -136,10 +136,10 @@ fn job<'a>(
         let accessor = p.attributes[slot].1;
         let a = get(&doc.accessors, accessor, "accessor", || format!("{pointer}/attributes/{name}"))?;
         let components = a.shape.components();
-        if matches!(a.shape, Shape::Mat2 | Shape::Mat3 | Shape::Mat4) {
+        if matches!(a.shape, Shape::Mat2 | Shape::Mat3 | Shape::Mat4 | Shape::Unknown) {
             return Err(Fault::invalid(
                 format!("{pointer}/attributes/{name}"),
-                "matrices are not compressed",
+                format!("the compressed data cannot be {}", a.shape.name()),
             ));
         }
         points = points.max(a.count);
