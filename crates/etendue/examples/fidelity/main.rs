@@ -7,7 +7,8 @@
 //! `ASSETS` holds `models/`, `env/fidelity/` and `reference/khronos-render-fidelity/` (`scenarios.json`, and per scene one
 //! picture of each renderer). Each scene is rendered with its own camera and sky at the size of those pictures, by tracing
 //! paths and by real-time shading, developed as they were (the ACES curve as three.js has it) and compared with each of
-//! them: root of the mean squared difference of display values in 0..1, transparent pictures on grey 0.5. The verdict asks
+//! them: root of the mean squared difference of display values in 0..1, less the noise of our paths, transparent pictures on
+//! grey 0.5. The verdict asks
 //! whether our mean distance to the path tracers among them is at most the largest distance between two of them (where fewer
 //! than two traced paths, all renderers are taken), and the same of our real-time picture and the renderers that shade in
 //! real time. Ends with 1 if one scene's is not and there is no reason on record.
