@@ -4,7 +4,7 @@ use super::CliError;
 use super::bake_args::BakeArgs;
 use super::compare_args::CompareArgs;
 use super::lab_args::LabArgs;
-use super::model_args::{CheckArgs, ConvertArgs, InfoArgs};
+use super::model_args::{CheckArgs, ConvertArgs, InfoArgs, NewArgs};
 use super::sheet_args::SheetArgs;
 use super::sky_args::SkyArgs;
 use super::values::{
@@ -46,6 +46,10 @@ pub(crate) enum Command {
     Sheet(SheetArgs),
     /// Write a model as one glTF file: textures in it, tangents added, instances kept
     Convert(ConvertArgs),
+    /// Write a scene file to begin with: everything that can be said in one, as comments
+    New(NewArgs),
+    /// Print the JSON Schema of scene files, from which an editor completes them
+    Schema,
     /// Measure build time, rays, samples and time to equal error on fixed scenes, and the cost of each model
     Bench(BenchArgs),
     /// Integrate a sky for real-time shading: harmonics, irradiance, prefiltered cube, reflectance table
@@ -58,7 +62,7 @@ pub(crate) enum Command {
 
 #[derive(Clone, Debug, Default, Args, Serialize, Deserialize)]
 pub(crate) struct RenderArgs {
-    /// A .glb, .gltf, .obj, .ply or .stl file; the built-in helmet if absent
+    /// A .glb, .gltf, .obj, .ply or .stl file, or a scene file (.toml), whose settings these options go before; the built-in helmet if absent
     #[serde(with = "path")]
     pub model: Option<PathBuf>,
     /// Where the picture goes: .png .jpg .webp (developed), .exr .hdr (light) [default: MODEL.png, or etendue.png]
@@ -180,6 +184,10 @@ pub(crate) struct RenderArgs {
     #[arg(skip)]
     #[serde(skip)]
     pub given: BTreeSet<String>,
+    /// Names of the fields that a scene file sets.
+    #[arg(skip)]
+    #[serde(skip)]
+    pub in_file: BTreeSet<String>,
 }
 
 /// Names of the arguments that stood on the command line.
@@ -199,9 +207,17 @@ pub(crate) enum Integrator {
     Realtime,
 }
 
+impl Integrator {
+    pub const ALL: [Self; 2] = [Self::Path, Self::Realtime];
+
+    pub fn name(self) -> &'static str {
+        if self == Self::Path { "path" } else { "realtime" }
+    }
+}
+
 impl std::fmt::Display for Integrator {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(if *self == Self::Path { "path" } else { "realtime" })
+        f.write_str(self.name())
     }
 }
 
@@ -217,6 +233,11 @@ impl std::str::FromStr for Integrator {
 }
 
 impl RenderArgs {
+    /// Whether the field stood on the command line or in the scene file.
+    pub fn says(&self, field: &str) -> bool {
+        self.given.contains(field) || self.in_file.contains(field)
+    }
+
     /// The passes to record while tracing paths.
     pub fn path_passes(&self) -> Result<PassSet, CliError> {
         PassSet::parse(&self.passes).map_err(CliError::Usage)

@@ -4,8 +4,8 @@ use super::find_models::find_models;
 use super::info::table;
 use super::model_args::CheckArgs;
 use super::output::{bytes, count};
-use super::{CliError, say};
-use crate::import::{ImportError, ImportOptions, Imported, Limits, import};
+use super::{CliError, load, say};
+use crate::import::{ImportOptions, Imported};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
@@ -71,7 +71,7 @@ impl Checked {
     }
 
     /// Of one that did not.
-    pub fn refused(path: &Path, error: &ImportError) -> Self {
+    pub fn refused(path: &Path, error: &CliError) -> Self {
         // The message begins with the file's name, which stands there already.
         let text = error.to_string();
         let message = text.strip_prefix(&format!("{}: ", path.display())).unwrap_or(&text);
@@ -146,12 +146,11 @@ impl Checklist {
 }
 
 pub(crate) fn run(args: &CheckArgs) -> Result<(), CliError> {
-    let limits = Limits { outside_folder: args.allow_outside, ..Limits::default() };
-    let options = ImportOptions { limits, ..ImportOptions::default() };
+    let options = ImportOptions { limits: load::limits(args.allow_outside), ..ImportOptions::default() };
     let mut list = Checklist::default();
     for path in find_models(&args.files)? {
         let started = Instant::now();
-        let checked = match import(&path, &options) {
+        let checked = match load::read(Some(&path), &options, None) {
             Ok(model) => Checked::loaded(&path, &model),
             Err(e) => Checked::refused(&path, &e),
         };

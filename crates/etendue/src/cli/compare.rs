@@ -4,7 +4,7 @@ use super::compare_args::{CompareArgs, Task};
 use super::error::shell_word;
 use super::output::read_whole;
 use super::progress::clock;
-use super::{CliError, load, note_line, realtime, say, target};
+use super::{CliError, load, note_line, realtime, say, scene_file, target};
 use crate::image::{DecodeLimits, Development, Image, decode_picture, write_atomic};
 use crate::lab::compare::{Against, CompareError, Job, ModelError, PictureReport, model_report};
 use crate::realtime::Choices;
@@ -38,7 +38,7 @@ fn pictures(args: &CompareArgs, reference: &Path, picture: &Path) -> Result<(), 
 
 fn model(args: &CompareArgs, path: Option<&Path>) -> Result<(), CliError> {
     let started = Instant::now();
-    let render = args.as_render(path);
+    let render = scene_file::under(args.as_render(path))?;
     let (choices, preset) = realtime::choices(&render)?;
     let ablate = if args.model.quick { Some(Vec::new()) } else { wanted(&args.model.ablations)? };
     load::start_threads(&render)?;
@@ -52,24 +52,22 @@ fn model(args: &CompareArgs, path: Option<&Path>) -> Result<(), CliError> {
         target::check_writable(&folder.join("index.html"))?;
     }
     let world = World::new(scene)?;
-    let path_options = PathOptions { bounces: args.model.bounces, ..PathOptions::default() };
+    let path_options = PathOptions { bounces: render.bounces, ..PathOptions::default() };
     let job = Job {
         world: &world,
         camera,
-        settings: Settings {
-            width,
-            height,
-            seed: args.model.seed,
-            path: path_options,
-            ..Settings::default()
-        },
+        settings: Settings { width, height, seed: render.seed, path: path_options, ..Settings::default() },
         choices,
         samples: args.model.samples,
         twin_samples: args.model.realtime_samples,
         ablation_samples: args.model.ablation_samples,
         presets: !args.model.quick,
         ablate: &|key| ablate.as_ref().is_none_or(|keys| keys.iter().any(|k| k == key)),
-        development: development(args),
+        development: Development {
+            exposure_ev: render.develop.exposure,
+            curve: render.develop.curve,
+            ..Development::default()
+        },
         pixels_per_degree: args.ppd,
     };
     let visible = !args.quiet && !args.json;

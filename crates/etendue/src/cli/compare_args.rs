@@ -1,6 +1,6 @@
 //! What can be said to `etendue compare`.
 
-use super::args::RenderArgs;
+use super::args::{DevelopArgs, RenderArgs};
 use super::sky_args::SkyArgs;
 use super::values::{Vec3Arg, finite, non_negative, size, vec3};
 use crate::color::ToneCurve;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 pub(crate) struct CompareArgs {
-    /// A reference picture (.png .jpg .webp display values, .exr .hdr light); or a model (.glb .gltf, the built-in helmet if absent), whose real-time picture is compared with its path-traced one
+    /// A reference picture (.png .jpg .webp display values, .exr .hdr light); or a model (.glb .gltf .obj .ply .stl, a scene file .toml, the built-in helmet if absent), whose real-time picture is compared with its path-traced one
     #[arg(value_name = "REFERENCE|MODEL")]
     pub reference: Option<PathBuf>,
     /// The picture to compare with the reference, of the same size and kind
@@ -112,7 +112,7 @@ impl CompareArgs {
     pub fn task(&self) -> Result<Task<'_>, String> {
         let is_model = |p: &Path| {
             let extension = p.extension().and_then(|e| e.to_str()).unwrap_or("");
-            ["glb", "gltf"].iter().any(|e| extension.eq_ignore_ascii_case(e))
+            ["glb", "gltf", "obj", "ply", "stl", "toml"].iter().any(|e| extension.eq_ignore_ascii_case(e))
         };
         let model_option = self.given.iter().find(|k| OF_MODELS.contains(&k.as_str()));
         match (self.reference.as_deref(), self.picture.as_deref()) {
@@ -122,7 +122,7 @@ impl CompareArgs {
                 Err(format!("{} and {}: give one model, or two pictures", m.display(), p.display()))
             }
             (Some(r), None) => Err(format!(
-                "{} is a picture: give the one to compare with it, too (or a model, .glb or .gltf)",
+                "{} is a picture: give the one to compare with it, too (or a model, or a scene file)",
                 r.display()
             )),
             (Some(r), Some(p)) => match model_option {
@@ -149,8 +149,18 @@ impl CompareArgs {
             preset: m.preset.clone(),
             choice: m.choice.clone(),
             threads: m.threads,
+            bounces: m.bounces,
+            seed: m.seed,
+            develop: DevelopArgs { exposure: self.exposure, curve: self.curve, ..Default::default() },
             quiet: self.quiet,
             json: self.json,
+            // Words that mean something else here.
+            given: self
+                .given
+                .iter()
+                .filter(|k| !["output", "samples"].contains(&k.as_str()))
+                .cloned()
+                .collect(),
             ..RenderArgs::builtin()
         }
     }

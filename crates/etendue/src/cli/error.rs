@@ -2,6 +2,7 @@
 
 use crate::image::ImageError;
 use crate::import::ImportError;
+use crate::import::scene_file::{Mistake, SceneFileError};
 use crate::render::{FilmError, MergeError};
 use std::path::PathBuf;
 
@@ -16,6 +17,14 @@ pub enum CliError {
     #[error(transparent)]
     #[diagnostic(help("{}", import_help(_0)))]
     Import(#[from] Box<ImportError>),
+    /// A scene file is wrong somewhere.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Mistake(#[from] Box<MistakeReport>),
+    /// A scene file cannot be read, or a model that it names does not load.
+    #[error(transparent)]
+    #[diagnostic(help("{}", scene_help(_0)))]
+    SceneFile(SceneFileError),
     /// An environment or picture does not load or cannot be written.
     #[error(transparent)]
     Image(#[from] ImageError),
@@ -141,6 +150,43 @@ pub enum CliError {
     /// Anything else.
     #[error("{0}")]
     Other(String),
+}
+
+/// A mistake in a scene file with the text around it.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("{mistake}")]
+pub struct MistakeReport {
+    mistake: Mistake,
+    #[source_code]
+    text: miette::NamedSource<String>,
+    #[label("here")]
+    at: miette::SourceSpan,
+    #[help]
+    help: Option<String>,
+}
+
+fn scene_help(e: &SceneFileError) -> String {
+    match e {
+        SceneFileError::Read { file, .. } => {
+            format!("looked for it at {}; `etendue new` writes one", absolute(file.as_ref()))
+        }
+        SceneFileError::Model { source, .. } => import_help(source),
+        _ => "a scene file is text of a few lines: `etendue new` writes one".into(),
+    }
+}
+
+impl From<SceneFileError> for CliError {
+    fn from(e: SceneFileError) -> Self {
+        match e {
+            SceneFileError::Wrong(mistake) => Self::Mistake(Box::new(MistakeReport {
+                text: miette::NamedSource::new(&mistake.file, mistake.text.to_string()),
+                at: mistake.span.clone().into(),
+                help: mistake.help.clone(),
+                mistake: *mistake,
+            })),
+            e => Self::SceneFile(e),
+        }
+    }
 }
 
 fn absolute(path: &std::path::Path) -> String {

@@ -5,6 +5,7 @@ use super::material::{Replacement, compensate};
 use super::{CliError, note_line};
 use crate::builtin;
 use crate::image::{SkyLayout, read_environment_as};
+use crate::import::scene_file::is_scene_file;
 use crate::import::{ImportOptions, Imported, Limits, import};
 use crate::scene::{Camera, Environment, Projection, Scene};
 use glam::Vec3;
@@ -23,7 +24,9 @@ pub(crate) fn start_threads(args: &RenderArgs) -> Result<(), CliError> {
 /// The model under its sky, with the materials that the arguments ask for; and the warnings, which are printed unless nothing is to
 /// be.
 pub(crate) fn scene(args: &RenderArgs) -> Result<(Scene, Vec<String>), CliError> {
-    let imported = model(args.model.as_deref(), args.at, args.allow_outside)?;
+    let options =
+        ImportOptions { at: args.at, limits: limits(args.allow_outside), ..ImportOptions::default() };
+    let imported = read(args.model.as_deref(), &options, args.variant.as_deref())?;
     let (environment, notes) = environment(args)?;
     let warnings: Vec<String> = imported.warnings.iter().map(ToString::to_string).chain(notes).collect();
     if !args.quiet {
@@ -45,8 +48,7 @@ pub(crate) fn scene(args: &RenderArgs) -> Result<(Scene, Vec<String>), CliError>
 
 /// The model that the arguments name.
 pub(crate) fn model(path: Option<&Path>, at: Option<f32>, allow_outside: bool) -> Result<Imported, CliError> {
-    let limits = Limits { outside_folder: allow_outside, ..Limits::default() };
-    read(path, &ImportOptions { at, limits, ..ImportOptions::default() })
+    read(path, &ImportOptions { at, limits: limits(allow_outside), ..ImportOptions::default() }, None)
 }
 
 /// The same, for those who write it again: with the files of its pictures.
@@ -55,12 +57,23 @@ pub(crate) fn model_with_files(
     at: Option<f32>,
     allow_outside: bool,
 ) -> Result<Imported, CliError> {
-    let limits = Limits { outside_folder: allow_outside, ..Limits::default() };
-    read(path, &ImportOptions { at, image_files: true, limits, ..ImportOptions::default() })
+    let limits = limits(allow_outside);
+    read(path, &ImportOptions { at, image_files: true, limits, ..ImportOptions::default() }, None)
 }
 
-fn read(path: Option<&Path>, options: &ImportOptions) -> Result<Imported, CliError> {
+/// What models may take.
+pub(crate) fn limits(allow_outside: bool) -> Limits {
+    Limits { outside_folder: allow_outside, ..Limits::default() }
+}
+
+/// A model, or what a scene file makes of several; `variant` goes before those that it names.
+pub(crate) fn read(
+    path: Option<&Path>,
+    options: &ImportOptions,
+    variant: Option<&str>,
+) -> Result<Imported, CliError> {
     Ok(match path {
+        Some(p) if is_scene_file(p) => super::scene_file::load(p, options, variant)?,
         Some(p) => import(p, options)?,
         None => builtin::import_helmet(options)?,
     })

@@ -22,6 +22,7 @@ mod load;
 mod material;
 mod merge;
 mod model_args;
+mod new;
 mod output;
 mod progress;
 mod realtime;
@@ -29,6 +30,8 @@ mod realtime_help;
 mod render;
 mod report;
 mod resume;
+mod scene_file;
+mod settings;
 mod sheet;
 mod sheet_args;
 mod sheet_page;
@@ -59,6 +62,11 @@ pub fn main() -> ExitCode {
         Some(Command::Check(a)) => check::run(&a),
         Some(Command::Sheet(a)) => sheet::run(&a),
         Some(Command::Convert(a)) => convert::run(&a),
+        Some(Command::New(a)) => new::run(&a),
+        Some(Command::Schema) => {
+            scene_file::print_schema();
+            Ok(())
+        }
         Some(Command::Bench(a)) => bench::run(&a),
         Some(Command::Lab(a)) => lab::run(&a),
         Some(Command::Bake(a)) => bake::run(&a),

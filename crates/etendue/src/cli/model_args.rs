@@ -1,4 +1,4 @@
-//! What can be said to the commands that look at models: `info`, `check`, `convert`.
+//! What can be said to the commands that look at models: `info`, `check`, `convert`, and to `new`, which writes one.
 
 use super::values::finite;
 use clap::Args;
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// A .glb, .gltf, .obj, .ply or .stl file; the built-in helmet if absent
+    /// A .glb, .gltf, .obj, .ply or .stl file or a scene file (.toml); the built-in helmet if absent
     pub model: Option<PathBuf>,
     /// Let the model read files outside its own folder
     #[arg(long)]
@@ -18,7 +18,7 @@ pub(crate) struct InfoArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckArgs {
-    /// Models, and folders in which all models are found: .glb, .gltf, .obj, .ply, .stl
+    /// Models, and folders in which all models are found: .glb, .gltf, .obj, .ply, .stl; scene files (.toml) by name
     #[arg(required = true, value_name = "FILE|FOLDER")]
     pub files: Vec<PathBuf>,
     /// Let models read files outside their own folders
@@ -34,7 +34,7 @@ pub(crate) struct CheckArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
-    /// A .glb, .gltf, .obj, .ply or .stl file; the built-in helmet if absent
+    /// A .glb, .gltf, .obj, .ply or .stl file or a scene file (.toml); the built-in helmet if absent
     pub model: Option<PathBuf>,
     /// Where it goes: .glb, or .gltf for JSON that holds everything
     #[arg(short, long, value_name = "FILE")]
@@ -45,6 +45,19 @@ pub(crate) struct ConvertArgs {
     /// Let the model read files outside its own folder
     #[arg(long)]
     pub allow_outside: bool,
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct NewArgs {
+    /// The scene file
+    #[arg(default_value = "scene.toml")]
+    pub file: PathBuf,
+    /// Write over files that are there
+    #[arg(long)]
+    pub force: bool,
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,

@@ -37,7 +37,7 @@ pub(crate) fn run(mut args: RenderArgs) -> Result<(), CliError> {
     let started = Instant::now();
     refuse(&args)?;
     let (choices, preset) = choices(&args)?;
-    if let (Some(curve), false) = (preset.tone_curve(), args.given.contains("curve")) {
+    if let (Some(curve), false) = (preset.tone_curve(), args.says("curve")) {
         args.develop.curve = curve;
     }
     let passes = PassSet::parse(&args.passes).map_err(CliError::Usage)?;

@@ -6,13 +6,15 @@ use super::goal::Goal;
 use super::output::{ARGUMENTS, NAMES, notes, read_film, write_film, write_film_picture};
 use super::report::{Times, report};
 use super::work::{Job, listen_for_interrupts};
-use super::{CliError, load, realtime, resume, target};
+use super::{CliError, load, realtime, resume, scene_file, target};
 use crate::render::{Counters, FilmInfo, PassSet, PathOptions, Renderer, Settings, World, id_names};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
 pub(crate) fn run(args: RenderArgs) -> Result<(), CliError> {
+    // A film already has what the scene file said when it was begun.
+    let args = if args.resume.is_some() { args } else { scene_file::under(args)? };
     if args.integrator == Integrator::Realtime {
         return realtime::run(args);
     }

@@ -3,23 +3,15 @@
 use super::CliError;
 use super::args::RenderArgs;
 use super::output::ARGUMENTS;
+use super::scene_file::{GOAL, fields, over};
 use crate::render::{Film, FilmError, FilmInfo, Renderer};
 use serde_json::{Map, Value};
 use std::path::Path;
 
 /// These always come from the present command.
 const PRESENT: [&str; 7] = ["film", "resume", "watch", "json", "quiet", "threads", "checkpoint"];
-/// These belong together: one that is given replaces all.
-const GOAL: [&str; 4] = ["spp", "noise", "time", "samples"];
 /// These change how the picture is developed, not what it shows.
 const DEVELOPMENT: [&str; 6] = ["output", "exposure", "curve", "linear", "bits", "quality"];
-
-fn fields(args: &RenderArgs) -> Map<String, Value> {
-    match serde_json::to_value(args) {
-        Ok(Value::Object(m)) => m,
-        _ => Map::new(),
-    }
-}
 
 /// The arguments with which a film was rendered.
 pub(crate) fn stored(path: &Path, info: &FilmInfo) -> Result<RenderArgs, CliError> {
@@ -34,28 +26,16 @@ pub(crate) fn stored(path: &Path, info: &FilmInfo) -> Result<RenderArgs, CliErro
 
 /// Arguments of a continued run: those of the film, and over them those that stood on the command line.
 pub(crate) fn overlay(now: RenderArgs, path: &Path, info: &FilmInfo) -> Result<RenderArgs, CliError> {
-    let mut all = fields(&stored(path, info)?);
+    let mut base = fields(&stored(path, info)?);
     let new = fields(&now);
-    let mut take = |key: &str| {
+    for key in PRESENT {
         if let Some(v) = new.get(key) {
-            all.insert(key.to_string(), v.clone());
+            base.insert(key.to_string(), v.clone());
         }
-    };
-    PRESENT.iter().for_each(|k| take(k));
-    if GOAL.iter().any(|k| now.given.contains(*k)) {
-        GOAL.iter().for_each(|k| take(k));
     }
-    now.given.iter().for_each(|k| take(k));
-    // A camera given in one way replaces one given in the other.
-    if now.given.contains("camera") {
-        ["eye", "target", "up"].iter().for_each(|k| take(k));
-    } else if now.given.contains("eye") {
-        ["camera", "target", "up"].iter().for_each(|k| take(k));
-    }
-    let mut args: RenderArgs = serde_json::from_value(Value::Object(all))
+    let base: RenderArgs = serde_json::from_value(Value::Object(base))
         .map_err(|e| CliError::Film { path: path.to_path_buf(), source: FilmError::Header(e.to_string()) })?;
-    args.given = now.given;
-    Ok(args)
+    over(&base, &now)
 }
 
 /// Finds out whether the film's samples are of the picture that is about to be rendered.

@@ -7,7 +7,7 @@ use super::sheet_args::SheetArgs;
 use super::sheet_page::{Cell, Layout, titles};
 use super::{CliError, load, note_line, target};
 use crate::image::{Development, Image, develop, write_atomic};
-use crate::import::{ImportOptions, Imported, Limits, import};
+use crate::import::{ImportOptions, Imported};
 use crate::lab::draw::Rgb;
 use crate::realtime::{Choices, Lighting, Twin, TwinSettings};
 use crate::render::{PathOptions, Renderer, Settings, World};
@@ -53,7 +53,7 @@ pub(crate) fn run(args: &SheetArgs) -> Result<(), CliError> {
             Some(made.map_err(|e| CliError::Other(format!("the sky: {e}")))?)
         }
     };
-    let limits = Limits { outside_folder: args.allow_outside, ..Limits::default() };
+    let limits = load::limits(args.allow_outside);
     let studio = Arc::new(Studio {
         options: ImportOptions { limits, ..ImportOptions::default() },
         at: args.at,
@@ -149,11 +149,11 @@ fn model(path: &Path, studio: &Studio) -> Drawn {
     let moment = |model: Imported| match studio.at {
         // Of what does not move there is no other moment.
         Some(_) if !model.info.animations.is_empty() => {
-            import(path, &ImportOptions { at: studio.at, ..studio.options.clone() })
+            load::read(Some(path), &ImportOptions { at: studio.at, ..studio.options.clone() }, None)
         }
         _ => Ok(model),
     };
-    match import(path, &studio.options).and_then(moment) {
+    match load::read(Some(path), &studio.options, None).and_then(moment) {
         Ok(model) => {
             let mut checked = Checked::loaded(path, &model);
             let triangles = model.scene.triangle_count();

@@ -13,5 +13,6 @@ mod models;
 mod pictures;
 mod probes;
 mod realtime;
+mod scenes;
 mod stop;
 mod tools;
