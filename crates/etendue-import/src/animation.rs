@@ -7,6 +7,7 @@ use crate::nodes::rotation;
 use crate::warning::Warnings;
 use glam::DQuat;
 use std::collections::HashMap;
+use std::ops::RangeInclusive;
 
 /// Which of a file's animations play.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -44,7 +45,7 @@ impl Pose {
 
     /// The pose at `seconds` of the chosen animations.
     pub fn at(
-        seconds: f32,
+        seconds: f64,
         choice: &AnimationChoice,
         accessors: Accessors<'_>,
         warnings: &mut Warnings,
@@ -70,8 +71,7 @@ impl Pose {
                     warnings.add(at() + "/input", "an animation without keyframes; ignored");
                     continue;
                 }
-                let track =
-                    Track { input: &input, seconds: seconds.into(), interpolation: keys.interpolation };
+                let track = Track { input: &input, seconds, interpolation: keys.interpolation };
                 let shape = match path {
                     Path::Translation | Path::Scale => Shape::Vec3,
                     Path::Rotation => Shape::Vec4,
@@ -138,6 +138,26 @@ impl Pose {
         }
         Ok(())
     }
+}
+
+/// From the first keyframe of the chosen animations to the last, seconds; `None` if there are none.
+pub(crate) fn duration(
+    choice: &AnimationChoice,
+    accessors: Accessors<'_>,
+) -> Result<Option<RangeInclusive<f64>>, Fault> {
+    let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (n, animation) in choose(accessors.doc, choice)? {
+        for (k, keys) in animation.samplers.iter().enumerate() {
+            let at = || format!("/animations/{n}/samplers/{k}/input");
+            let input = accessors.open(keys.input, "the keyframe time", &[Shape::Scalar], at)?;
+            if input.len() > 0 {
+                for [t] in input.floats::<1>(Some(&[0, input.len() as u32 - 1])) {
+                    (first, last) = (first.min(t.into()), last.max(t.into()));
+                }
+            }
+        }
+    }
+    Ok((first <= last && last.is_finite() && first.is_finite()).then_some(first..=last))
 }
 
 fn choose<'a>(

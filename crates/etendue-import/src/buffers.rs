@@ -126,6 +126,17 @@ impl<'a> Buffers<'a> {
         Ok(())
     }
 
+    /// `crc`, continued over the blocks of bytes that were read from elsewhere than the model itself.
+    pub fn digest(&self, crc: u32) -> u32 {
+        let mut h = crc32fast::Hasher::new_with_initial(crc);
+        for block in &self.blocks {
+            if let Cow::Owned(bytes) = block {
+                h.update(bytes);
+            }
+        }
+        h.finalize()
+    }
+
     /// Runs a check of accessor `index`'s data unless it has passed before: an accessor may be used any number of times.
     pub fn once(&self, index: u32, check: impl FnOnce() -> Result<(), Fault>) -> Result<(), Fault> {
         let Some(done) = self.checked.get(index as usize) else { return check() };

@@ -3,12 +3,12 @@
 use crate::error::Fault;
 use crate::import::{ImportOptions, Imported};
 use crate::text::{Lines, split_word};
-use crate::{import, obj, ply, stl};
+use crate::{gltf, obj, ply, stl};
 use std::path::Path;
 
 /// The formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+pub(crate) enum Kind {
     Gltf,
     Obj,
     Ply,
@@ -23,14 +23,15 @@ pub(crate) fn read(
     options: &ImportOptions,
 ) -> Result<Imported, Fault> {
     match kind(bytes, name)? {
-        Kind::Gltf => import::gltf(bytes, name, folder, options),
+        Kind::Gltf => gltf::read(bytes, name, folder, options),
         Kind::Obj => obj::read(bytes, name, folder, options),
         Kind::Ply => ply::read(bytes, name, folder, options),
         Kind::Stl => stl::read(bytes, name, options),
     }
 }
 
-fn kind(bytes: &[u8], name: &str) -> Result<Kind, Fault> {
+/// The format of a model.
+pub(crate) fn kind(bytes: &[u8], name: &str) -> Result<Kind, Fault> {
     let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
     if bytes.starts_with(b"glTF") || start.starts_with(b"{") {
         return Ok(Kind::Gltf);

@@ -45,12 +45,14 @@ mod error;
 mod extensions;
 mod geometry;
 mod glb;
+mod gltf;
 mod import;
 mod info;
 mod json;
 mod limits;
 mod material;
 pub mod meshopt;
+mod model;
 mod nodes;
 mod obj;
 mod place;
@@ -81,6 +83,7 @@ pub use info::{
     PrimitiveInfo,
 };
 pub use limits::Limits;
+pub use model::{Model, ModelFile};
 pub use sizes::Sizes;
 pub use warning::Warning;
 pub use write::{ExportError, ExportOptions, Exported, Form, export};

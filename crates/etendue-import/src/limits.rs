@@ -55,7 +55,7 @@ const FREE_GEOMETRY: u64 = 256 << 20;
 ///
 /// Charged while the import is planned, before anything is allocated, by one thread: so the outcome does not depend on
 /// the order in which threads build meshes.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Budget {
     vertices: u64,
     instances: u64,

@@ -73,7 +73,7 @@ impl Hierarchy {
     }
 
     /// The nodes that the file's default scene shows, parents before children, in the order of the file.
-    pub fn visible(&self, doc: &Document<'_>, warnings: &mut Warnings) -> Result<Vec<u32>, Fault> {
+    pub fn shown(&self, doc: &Document<'_>, warnings: &mut Warnings) -> Result<Vec<u32>, Fault> {
         let scene = match doc.scene {
             Some(s) => Some((s, get(&doc.scenes, s, "scene", || "/scene".into())?)),
             None => doc.scenes.first().map(|s| (0, s)),

@@ -159,15 +159,16 @@ pub(crate) struct Decoded {
     pub file: Option<Arc<Vec<u8>>>,
 }
 
-/// Reads and decodes images `which`, in parallel.
+/// Reads and decodes images `which`, in parallel. Others that were decoded before take `already` bytes.
 pub(crate) fn decode_all(
     doc: &Document<'_>,
     which: &[u32],
     buffers: &Buffers<'_>,
     source: &Source<'_>,
+    already: u64,
 ) -> Vec<Result<Decoded, Fault>> {
     let Limits { image_pixels, image_bytes, .. } = *source.limits;
-    let total = AtomicU64::new(0);
+    let total = AtomicU64::new(already);
     which
         .par_iter()
         .map(|&i| {

@@ -27,7 +27,7 @@ impl fmt::Display for Warning {
 }
 
 /// Warnings in the order of their first occurrence; equal messages are joined and counted.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Warnings {
     list: Vec<Warning>,
     by_message: HashMap<String, usize>,

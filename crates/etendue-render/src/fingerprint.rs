@@ -1,6 +1,7 @@
 //! A short name for "exactly this picture", so that films of different pictures are not added.
 
 use crate::Settings;
+use crate::motion::{Moment, Shutter};
 use crc32fast::Hasher;
 use etendue_image::{Image, Pixels};
 use etendue_scene::{Camera, Environment, Mesh, Scene};
@@ -9,12 +10,11 @@ use rayon::prelude::*;
 /// Raised when a change makes the same scene and settings give other samples.
 const SAMPLES_VERSION: u32 = 2;
 
-/// CRC-32 of all that the scene's light depends on.
-pub(crate) fn scene(scene: &Scene) -> u32 {
+/// CRC-32 of all that the scene's light depends on. `images` are the CRCs of its images, `sky` that of its sky's picture.
+pub(crate) fn scene(scene: &Scene, images: &[u32], sky: u32) -> u32 {
     let mut h = Hasher::new();
     let meshes: Vec<u32> = scene.meshes.par_iter().map(mesh).collect();
-    let images: Vec<u32> = scene.images.par_iter().map(|i| image(i)).collect();
-    for crc in meshes.iter().chain(&images) {
+    for crc in meshes.iter().chain(images) {
         h.update(&crc.to_le_bytes());
     }
     for i in &scene.instances {
@@ -24,8 +24,8 @@ pub(crate) fn scene(scene: &Scene) -> u32 {
     h.update(format!("{:?}", (&scene.materials, &scene.textures, &scene.lights)).as_bytes());
     match &scene.environment {
         Environment::Constant(c) => floats(&mut h, c.to_array()),
-        Environment::LatLong { image: i, rotation, intensity } => {
-            h.update(&image(i).to_le_bytes());
+        Environment::LatLong { rotation, intensity, .. } => {
+            h.update(&sky.to_le_bytes());
             floats(&mut h, [*rotation, *intensity]);
         }
     }
@@ -38,6 +38,28 @@ pub(crate) fn picture(scene: u32, camera: &Camera, settings: &Settings) -> Strin
     h.update(&SAMPLES_VERSION.to_le_bytes());
     floats(&mut h, camera.transform.to_cols_array());
     h.update(format!("{:?} {settings:?}", camera.projection).as_bytes());
+    format!("{scene:08x}{:08x}", h.finalize())
+}
+
+/// The name of the picture that [`crate::Renderer`] makes of `scene`, without making it ready for that.
+pub fn picture_id(of: &Scene, camera: &Camera, settings: &Settings) -> String {
+    let images: Vec<u32> = of.images.par_iter().map(|i| image(i)).collect();
+    let sky = match &of.environment {
+        Environment::LatLong { image: i, .. } => image(i),
+        Environment::Constant(_) => 0,
+    };
+    picture(scene(of, &images, sky), camera, settings)
+}
+
+/// The name of the picture of what moves as `digest` says, from `first` on.
+pub(crate) fn moving_id(first: &Moment, shutter: &Shutter, settings: &Settings, digest: u32) -> String {
+    let mut h = Hasher::new();
+    h.update(picture_id(&first.scene, &first.camera, settings).as_bytes());
+    h.update(&digest.to_le_bytes());
+    let scene = h.clone().finalize();
+    h.update(b"shutter");
+    h.update(&shutter.open.to_le_bytes());
+    h.update(&shutter.close.to_le_bytes());
     format!("{scene:08x}{:08x}", h.finalize())
 }
 
@@ -66,7 +88,8 @@ fn mesh(m: &Mesh) -> u32 {
     h.finalize()
 }
 
-fn image(i: &Image) -> u32 {
+/// CRC-32 of a picture's size and samples.
+pub(crate) fn image(i: &Image) -> u32 {
     let mut h = Hasher::new();
     h.update(format!("{} {} {}", i.width, i.height, i.channels).as_bytes());
     match &i.pixels {

@@ -64,9 +64,9 @@ pub(crate) struct Lights {
 const NONE: u32 = u32::MAX;
 
 impl Lights {
-    pub fn new(world: &World) -> Self {
+    /// The lights of `world` under `sky`, which is its environment made ready.
+    pub fn new(world: &World, sky: Sky) -> Self {
         let scene = &world.scene;
-        let sky = Sky::new(&scene.environment);
         let (directional, punctual): (Vec<_>, Vec<_>) = scene
             .lights
             .iter()
@@ -128,6 +128,11 @@ impl Lights {
             emitters,
             emitter_of,
         }
+    }
+
+    /// The sky alone.
+    pub fn into_sky(self) -> Option<Sky> {
+        self.sky
     }
 
     pub fn count(&self) -> usize {

@@ -103,6 +103,17 @@ pub(crate) fn unit(x: u32) -> f32 {
     (x >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
+/// The moment of the sample `index` of every pixel, as a part of the time that the shutter is open, in [0, 1): van der Corput's
+/// sequence, Owen-scrambled by `seed`. Of the first 2^k samples, as of every later block of 2^k that begins at a multiple,
+/// each of 2^k equal parts of the time holds one.
+///
+/// The dimensions of [`Sampler::get4`] take the index in an order of their own in each pixel, so that they are independent of
+/// this one.
+pub fn moment(seed: u32, index: u32) -> f64 {
+    let x = laine_karras(index, hash(seed ^ 0x7f4a_7c15)).reverse_bits();
+    f64::from(x) / 4_294_967_296.0
+}
+
 impl Sampler {
     /// Sample `index` of the pixel at (`x`, `y`) of the picture with this `seed`. The width of the picture is not part
     /// of the identity: a crop draws the same numbers as the whole.
@@ -156,6 +167,18 @@ mod tests {
                 assert!(seen.iter().all(|&c| c == 1), "set {set}: {w} × {h} cells are not hit once each");
             }
         }
+    }
+
+    /// Moments are stratified in every aligned block of 2^k samples, each seed has its own, and none is 1.
+    #[test]
+    fn moments_are_stratified() {
+        for (seed, first) in [(0, 0), (1, 64), (9, 640)] {
+            let mut seen = [false; 64];
+            (first..first + 64).for_each(|i| seen[(moment(seed, i) * 64.0) as usize] = true);
+            assert!(seen.iter().all(|&s| s), "seed {seed}, from {first}");
+        }
+        assert_ne!(moment(0, 0), moment(1, 0));
+        assert!((0..100_000).all(|i| (0.0..1.0).contains(&moment(3, i))));
     }
 
     /// Each dimension alone is stratified, in every aligned block of 2^k samples.

@@ -4,11 +4,14 @@ use crate::body::{Body, Kind};
 use crate::lights::Lights;
 use crate::lookup::Lookup;
 use crate::sampler::{hash, unit};
+use crate::sky::Sky;
 use crate::texels::Texels;
-use etendue_scene::{AlphaMode, InvalidScene, Material, Scene};
+use etendue_image::Image;
+use etendue_scene::{AlphaMode, Environment, InvalidScene, Material, Scene};
 use etendue_trace::{Accel, Hit, Ray};
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
 use rayon::prelude::*;
+use std::sync::{Arc, Weak};
 
 /// One vertex, all that shading needs of it in 48 bytes, so that a hit touches few cache lines.
 #[derive(Clone, Copy, Debug)]
@@ -60,6 +63,9 @@ pub struct World {
     pub(crate) epsilon: f32,
     pub(crate) fingerprint: u32,
     build_seconds: [f64; 2],
+    /// What the images were made of, and its CRC.
+    sources: Vec<(Weak<Image>, u32)>,
+    sky_crc: u32,
 }
 
 impl World {
@@ -67,10 +73,27 @@ impl World {
     ///
     /// # Errors
     /// What [`Scene::validate`] finds.
-    pub fn new(mut scene: Scene) -> Result<Self, InvalidScene> {
+    pub fn new(scene: Scene) -> Result<Self, InvalidScene> {
+        Self::build(scene, None)
+    }
+
+    /// The world of `scene`, which is this one's at another moment: images and sky that both share (the same [`Arc`]) are
+    /// taken over instead of being prepared again. The result is that of [`World::new`].
+    ///
+    /// # Errors
+    /// What [`Scene::validate`] finds.
+    pub fn again(self, scene: Scene) -> Result<Self, InvalidScene> {
+        Self::build(scene, Some(self))
+    }
+
+    fn build(mut scene: Scene, before: Option<World>) -> Result<Self, InvalidScene> {
         scene.validate()?;
-        let fingerprint = crate::fingerprint::scene(&scene);
         let start = std::time::Instant::now();
+        let mut kept = Kept::of(before);
+        let (sky, sky_crc) = kept.sky(&scene.environment);
+        let (sources, images): (Vec<_>, Vec<_>) = kept.images(&scene.images).into_iter().unzip();
+        let crcs: Vec<u32> = sources.iter().map(|(_, crc)| *crc).collect();
+        let fingerprint = crate::fingerprint::scene(&scene, &crcs, sky_crc);
         let accel = Accel::build(&scene);
         let traced = start.elapsed().as_secs_f64();
         // One material more than the file has: glTF's default.
@@ -99,7 +122,6 @@ impl World {
                 }
             })
             .collect();
-        let images = scene.images.par_iter().map(|i| Texels::new(i.clone())).collect();
         let mut meshes: Vec<MeshData> = scene.meshes.par_iter_mut().map(MeshData::take).collect();
         bake(&mut meshes, &mut instances);
         let bounds = accel.bounds();
@@ -114,8 +136,10 @@ impl World {
             scene,
             fingerprint,
             build_seconds: [traced, 0.0],
+            sources,
+            sky_crc,
         };
-        world.lights = Lights::new(&world);
+        world.lights = Lights::new(&world, sky);
         world.scene.images = Vec::new();
         world.build_seconds[1] = start.elapsed().as_secs_f64() - traced;
         Ok(world)
@@ -205,6 +229,59 @@ impl World {
             i.to_world.transform_point3a(at(b)),
             i.to_world.transform_point3a(at(c)),
         ]
+    }
+}
+
+/// What a world leaves to the next.
+#[derive(Default)]
+struct Kept {
+    images: Vec<(Weak<Image>, u32, Texels)>,
+    sky: Option<(Environment, Sky, u32)>,
+}
+
+impl Kept {
+    fn of(world: Option<World>) -> Self {
+        let Some(w) = world else { return Self::default() };
+        let images = w.sources.into_iter().zip(w.images).map(|((source, crc), t)| (source, crc, t)).collect();
+        let sky = w.lights.into_sky().map(|sky| (w.scene.environment, sky, w.sky_crc));
+        Self { images, sky }
+    }
+
+    /// Source, CRC and prepared form of each image.
+    fn images(&mut self, images: &[Arc<Image>]) -> Vec<((Weak<Image>, u32), Texels)> {
+        let mut known: Vec<Option<(u32, Texels)>> = images
+            .iter()
+            .map(|i| {
+                let same = |k: &(Weak<Image>, u32, Texels)| std::ptr::eq(k.0.as_ptr(), Arc::as_ptr(i));
+                let at = self.images.iter().position(same)?;
+                let (_, crc, texels) = self.images.swap_remove(at);
+                Some((crc, texels))
+            })
+            .collect();
+        self.images.clear();
+        images
+            .par_iter()
+            .zip(&mut known)
+            .map(|(i, known)| {
+                let made = || (crate::fingerprint::image(i), Texels::new(i.clone()));
+                let (crc, texels) = known.take().unwrap_or_else(made);
+                ((Arc::downgrade(i), crc), texels)
+            })
+            .collect()
+    }
+
+    /// The sky, and the CRC of its picture.
+    fn sky(&mut self, environment: &Environment) -> (Sky, u32) {
+        match (self.sky.take(), environment) {
+            (
+                Some((Environment::LatLong { image: a, rotation: r, intensity: i }, sky, crc)),
+                Environment::LatLong { image, rotation, intensity },
+            ) if Arc::ptr_eq(&a, image) && (r, i) == (*rotation, *intensity) => (sky, crc),
+            (_, Environment::LatLong { image, .. }) => {
+                (Sky::new(environment), crate::fingerprint::image(image))
+            }
+            (_, Environment::Constant(_)) => (Sky::new(environment), 0),
+        }
     }
 }
 
