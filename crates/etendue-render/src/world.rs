@@ -6,11 +6,12 @@ use crate::lookup::Lookup;
 use crate::sampler::{hash, unit};
 use crate::sky::Sky;
 use crate::texels::Texels;
-use etendue_image::Image;
+use etendue_image::{Image, Pixels};
 use etendue_scene::{AlphaMode, Environment, InvalidScene, Material, Scene};
 use etendue_trace::{Accel, Hit, Ray};
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
 use rayon::prelude::*;
+use std::collections::HashSet;
 use std::sync::{Arc, Weak};
 
 /// One vertex, all that shading needs of it in 48 bytes, so that a hit touches few cache lines.
@@ -91,7 +92,8 @@ impl World {
         let start = std::time::Instant::now();
         let mut kept = Kept::of(before);
         let (sky, sky_crc) = kept.sky(&scene.environment);
-        let (sources, images): (Vec<_>, Vec<_>) = kept.images(&scene.images).into_iter().unzip();
+        let needed = emitting_images(&scene);
+        let (sources, images): (Vec<_>, Vec<_>) = kept.images(&mut scene.images, &needed).into_iter().unzip();
         let crcs: Vec<u32> = sources.iter().map(|(_, crc)| *crc).collect();
         let fingerprint = crate::fingerprint::scene(&scene, &crcs, sky_crc);
         let accel = Accel::build(&scene);
@@ -232,6 +234,12 @@ impl World {
     }
 }
 
+/// Images of textures that emit: the lights are made from them.
+fn emitting_images(scene: &Scene) -> HashSet<usize> {
+    let textures = scene.materials.iter().filter_map(|m| m.emissive_texture.as_ref());
+    textures.map(|t| scene.textures[t.texture as usize].image as usize).collect()
+}
+
 /// What a world leaves to the next.
 #[derive(Default)]
 struct Kept {
@@ -247,8 +255,13 @@ impl Kept {
         Self { images, sky }
     }
 
-    /// Source, CRC and prepared form of each image.
-    fn images(&mut self, images: &[Arc<Image>]) -> Vec<((Weak<Image>, u32), Texels)> {
+    /// Source, CRC and prepared form of each image. Those that are not `needed` any more are let go as soon as they are
+    /// prepared, so that a model's pictures are never in memory twice.
+    fn images(
+        &mut self,
+        images: &mut [Arc<Image>],
+        needed: &HashSet<usize>,
+    ) -> Vec<((Weak<Image>, u32), Texels)> {
         let mut known: Vec<Option<(u32, Texels)>> = images
             .iter()
             .map(|i| {
@@ -259,13 +272,19 @@ impl Kept {
             })
             .collect();
         self.images.clear();
+        let nothing = Arc::new(Image { width: 1, height: 1, channels: 1, pixels: Pixels::U8(vec![0]) });
         images
-            .par_iter()
+            .par_iter_mut()
             .zip(&mut known)
-            .map(|(i, known)| {
+            .enumerate()
+            .map(|(k, (i, known))| {
                 let made = || (crate::fingerprint::image(i), Texels::new(i.clone()));
                 let (crc, texels) = known.take().unwrap_or_else(made);
-                ((Arc::downgrade(i), crc), texels)
+                let source = Arc::downgrade(i);
+                if !needed.contains(&k) {
+                    *i = nothing.clone();
+                }
+                ((source, crc), texels)
             })
             .collect()
     }
