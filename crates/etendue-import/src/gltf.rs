@@ -13,6 +13,7 @@ use crate::json::{self, Reader};
 use crate::limits::{Budget, Limits};
 use crate::nodes::{self, Hierarchy};
 use crate::plan::Plan;
+use crate::progress::ImportProgress;
 use crate::sizes::Sizes;
 use crate::source::Source;
 use crate::texture::{self, Decoded};
@@ -68,6 +69,7 @@ pub(crate) struct Gltf<'f> {
     occlusion: bool,
     keep_files: bool,
     limits: Limits,
+    progress: Option<Arc<ImportProgress>>,
     /// By number in the file.
     images: Mutex<HashMap<u32, Decoded>>,
     /// Meshes of the last moment that no joint moves, if they are kept.
@@ -123,6 +125,7 @@ impl<'f> Gltf<'f> {
             occlusion: options.occlusion,
             keep_files: options.image_files,
             limits: options.limits.clone(),
+            progress: options.progress.clone(),
             images: Mutex::default(),
             meshes: None,
         })
@@ -170,6 +173,9 @@ impl<'f> Gltf<'f> {
             jobs, instances, materials, variants, textures, lights, mut cameras, mut warnings, ..
         } = plan;
 
+        if let Some(p) = &self.progress {
+            p.expect(jobs.len() + textures.images.len());
+        }
         let (meshes, images) =
             rayon::join(|| self.build_all(&jobs, &joints), || self.decode_all(&textures.images, &source));
         // In the order of the file, whichever thread was first.
@@ -208,12 +214,21 @@ impl<'f> Gltf<'f> {
         Ok(Imported { scene, warnings: warnings.into_vec(), info, image_files })
     }
 
+    /// One more mesh or picture is ready.
+    fn step(&self) {
+        if let Some(p) = &self.progress {
+            p.step();
+        }
+    }
+
     /// The pictures `which`, decoded now or at an earlier moment.
     fn decode_all(&self, which: &[u32], source: &Source<'_>) -> Result<Vec<Decoded>, Fault> {
         let mut known = self.images.lock().unwrap_or_else(PoisonError::into_inner);
         let missing: Vec<u32> = which.iter().copied().filter(|i| !known.contains_key(i)).collect();
         let already = known.values().map(|d| d.image.bytes() as u64).sum();
-        let decoded = texture::decode_all(&self.doc, &missing, &self.buffers, source, already);
+        (missing.len()..which.len()).for_each(|_| self.step());
+        let decoded =
+            texture::decode_all(&self.doc, &missing, &self.buffers, source, already, &|| self.step());
         for (i, d) in missing.into_iter().zip(decoded) {
             known.insert(i, d?);
         }
@@ -233,10 +248,12 @@ impl<'f> Gltf<'f> {
             .map(|job| {
                 let mut warnings = Warnings::default();
                 if let Some(mesh) = known.get(&job.key) {
+                    self.step();
                     return Ok((Mesh { name: job.name.clone(), ..(**mesh).clone() }, warnings));
                 }
                 let joints = job.key.skin.as_ref().and_then(|s| joints.get(&s.skin)).map(Vec::as_slice);
                 let mesh = job.build(self.accessors(), joints, &mut warnings)?;
+                self.step();
                 Ok((mesh, warnings))
             })
             .collect()

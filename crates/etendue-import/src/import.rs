@@ -5,6 +5,7 @@ use crate::door;
 use crate::error::{Fault, ImportError};
 use crate::info::Info;
 use crate::limits::Limits;
+use crate::progress::ImportProgress;
 use crate::source::{ReadError, read_file};
 use crate::texture;
 use crate::warning::Warning;
@@ -25,6 +26,8 @@ pub struct ImportOptions {
     pub image_files: bool,
     /// Bounds on memory.
     pub limits: Limits,
+    /// Where the import tells how far it is, if somebody wants to know.
+    pub progress: Option<Arc<ImportProgress>>,
 }
 
 impl Default for ImportOptions {
@@ -35,6 +38,7 @@ impl Default for ImportOptions {
             occlusion: true,
             image_files: false,
             limits: Limits::default(),
+            progress: None,
         }
     }
 }

@@ -59,6 +59,7 @@ mod place;
 mod plan;
 mod ply;
 mod polygon;
+mod progress;
 pub mod scene_file;
 mod sizes;
 mod skin;
@@ -84,6 +85,7 @@ pub use info::{
 };
 pub use limits::Limits;
 pub use model::{Model, ModelFile};
+pub use progress::ImportProgress;
 pub use sizes::Sizes;
 pub use warning::Warning;
 pub use write::{ExportError, ExportOptions, Exported, Form, export};

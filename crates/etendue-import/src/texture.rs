@@ -159,13 +159,14 @@ pub(crate) struct Decoded {
     pub file: Option<Arc<Vec<u8>>>,
 }
 
-/// Reads and decodes images `which`, in parallel. Others that were decoded before take `already` bytes.
+/// Reads and decodes images `which`, in parallel. Others that were decoded before take `already` bytes; `done` is told of each.
 pub(crate) fn decode_all(
     doc: &Document<'_>,
     which: &[u32],
     buffers: &Buffers<'_>,
     source: &Source<'_>,
     already: u64,
+    done: &(dyn Fn() + Sync),
 ) -> Vec<Result<Decoded, Fault>> {
     let Limits { image_pixels, image_bytes, .. } = *source.limits;
     let total = AtomicU64::new(already);
@@ -214,6 +215,7 @@ pub(crate) fn decode_all(
             }
             let encoded_bytes = code.len() as u64;
             let file = source.keep_files.then(|| Arc::new(code.to_vec()));
+            done();
             Ok(Decoded { image: Arc::new(image), encoded_bytes, format: said, mips, srgb, file })
         })
         .collect()

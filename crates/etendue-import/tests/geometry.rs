@@ -242,3 +242,17 @@ fn tangents_of_the_file_are_kept_and_those_without_normals_are_not() {
     m.json["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("NORMAL");
     assert_eq!(tangent(&m), Vec4::new(1.0, 0.0, 0.0, -1.0), "generated for the flat normals");
 }
+
+#[test]
+fn progress_counts_what_is_ready() {
+    let mut m = Model::new();
+    m.triangle(json!({}));
+    m.triangle(json!({}));
+    let progress = std::sync::Arc::new(etendue_import::ImportProgress::default());
+    let options = etendue_import::ImportOptions { progress: Some(progress.clone()), ..Default::default() };
+    let model = m.import_with(&options).expect("two triangles");
+    assert_eq!((progress.done(), progress.total()), (2, 2), "{} meshes", model.scene.meshes.len());
+    // It goes on with the next model.
+    m.import_with(&options).expect("two triangles");
+    assert_eq!((progress.done(), progress.total()), (4, 4));
+}

@@ -1,13 +1,21 @@
 //! `etendue info`: what a file holds.
 
+use super::loading::Loading;
 use super::model_args::InfoArgs;
 use super::output::{self, bytes};
 use super::{CliError, load, say};
-use crate::import::{Imported, Support};
+use crate::import::{ImportOptions, Imported, Support};
 use std::fmt::Write;
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), CliError> {
-    let imported = load::model(args.model.as_deref(), None, args.allow_outside)?;
+    let loading = Loading::new(!args.json);
+    let options = ImportOptions {
+        limits: load::limits(args.allow_outside),
+        progress: Some(loading.progress()),
+        ..ImportOptions::default()
+    };
+    let imported = load::read(args.model.as_deref(), &options, None)?;
+    drop(loading);
     if args.json {
         let report = serde_json::json!({ "info": imported.info, "warnings": imported.warnings });
         say(&serde_json::to_string_pretty(&report).map_err(|e| CliError::Other(e.to_string()))?);

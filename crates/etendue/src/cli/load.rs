@@ -1,6 +1,7 @@
 //! Files into a scene with a sky and a camera.
 
 use super::args::RenderArgs;
+use super::loading::Loading;
 use super::material::{Replacement, compensate};
 use super::{CliError, note_line};
 use crate::builtin;
@@ -24,9 +25,15 @@ pub(crate) fn start_threads(args: &RenderArgs) -> Result<(), CliError> {
 /// The model under its sky, with the materials that the arguments ask for; and the warnings, which are printed unless nothing is to
 /// be.
 pub(crate) fn scene(args: &RenderArgs) -> Result<(Scene, Vec<String>), CliError> {
-    let options =
-        ImportOptions { at: args.at, limits: limits(args.allow_outside), ..ImportOptions::default() };
+    let loading = Loading::new(!args.quiet && !args.json);
+    let options = ImportOptions {
+        at: args.at,
+        limits: limits(args.allow_outside),
+        progress: Some(loading.progress()),
+        ..ImportOptions::default()
+    };
     let imported = read(args.model.as_deref(), &options, args.variant.as_deref())?;
+    drop(loading);
     let (environment, notes) = environment(args)?;
     let warnings: Vec<String> = imported.warnings.iter().map(ToString::to_string).chain(notes).collect();
     if !args.quiet {

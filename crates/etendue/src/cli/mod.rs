@@ -19,6 +19,7 @@ mod info;
 mod lab;
 mod lab_args;
 mod load;
+mod loading;
 mod material;
 mod merge;
 mod model_args;
