@@ -92,12 +92,13 @@ impl World {
         let start = std::time::Instant::now();
         let mut kept = Kept::of(before);
         let (sky, sky_crc) = kept.sky(&scene.environment);
+        let accel = Accel::build(&scene);
+        let traced = start.elapsed().as_secs_f64();
+        // After the tree, whose building takes more memory than the tree.
         let needed = emitting_images(&scene);
         let (sources, images): (Vec<_>, Vec<_>) = kept.images(&mut scene.images, &needed).into_iter().unzip();
         let crcs: Vec<u32> = sources.iter().map(|(_, crc)| *crc).collect();
         let fingerprint = crate::fingerprint::scene(&scene, &crcs, sky_crc);
-        let accel = Accel::build(&scene);
-        let traced = start.elapsed().as_secs_f64();
         // One material more than the file has: glTF's default.
         let default = scene.materials.len() as u32;
         scene.materials.push(Material::default());
