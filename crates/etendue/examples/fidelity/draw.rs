@@ -77,10 +77,12 @@ pub fn render(
         ..Development::default()
     };
     let shown = |picture: Image| on_grey(&develop(&picture, &development));
-    let [a, b] = halves.map(|film| shown(film.picture(!sky_visible)));
+    let light = halves.map(|film| film.picture(!sky_visible));
+    let whole = mean(&light[0], &light[1]);
     // They are independent: the variance of their difference is four times that of their mean.
+    let [a, b] = light.map(shown);
     let noise = 0.5 * rmse(&a, &b)?;
-    Ok(Ours { path: mean(&a, &b), noise, realtime: halved(&shown(frame.picture(!sky_visible))) })
+    Ok(Ours { path: shown(whole), noise, realtime: halved(&shown(frame.picture(!sky_visible))) })
 }
 
 /// A picture of half the width and height.
