@@ -5,7 +5,7 @@ use core::f64::consts::{PI, TAU};
 use etendue_bxdf::{
     Bsdf,
     hair::{Hair, HairParams, Pigment, absorption_from_color, absorption_from_melanin},
-    laws::{Rng, gamma::chi2_p_value, sidak},
+    laws::{Rng, chi2::chi2, gamma::chi2_p_value, grid::wo_at, sidak},
     sampling::uniform_sphere,
 };
 use etendue_color::Spectrum;
@@ -356,4 +356,12 @@ fn nonsense_gives_something_finite() {
             assert!(s.weight.is_finite() && s.pdf > 0.0 && s.pdf.is_finite() && s.wi.is_finite(), "{s:?}");
         }
     }
+}
+
+/// The lobe lies across the horizon, where the contract allows no samples: the law must know how many are missing there.
+#[test]
+fn samples_that_the_horizon_takes_are_expected() {
+    let hair = Hair::new(&HairParams { beta_n: 0.1, ..Default::default() });
+    let got = chi2(&hair, wo_at(89.0), 1_000_000, 0);
+    assert!(got.p > 1e-3, "{got:?}");
 }

@@ -63,7 +63,7 @@ pub fn chi2_against<B: Bsdf + ?Sized>(
     let n = samples as f64;
     let pdf_integral = expected.pdf_integral;
     let discrete = deltas.map(|d| d.map_or(0.0, |d| d.probability as f64));
-    let rejected = n * (1.0 - pdf_integral - discrete[0] - discrete[1]).max(0.0);
+    let rejected = n * (1.0 - pdf_integral - discrete[0] - discrete[1]).max(0.0) + n * expected.gap;
     let counts: Vec<f64> =
         expected.bins.iter().map(|p| n * p).chain([rejected]).chain(discrete.map(|p| n * p)).collect();
     let (statistic, dof) = pearson(&observed, &counts);

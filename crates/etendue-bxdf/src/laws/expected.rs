@@ -6,10 +6,13 @@
 //! Bins lie in the coordinates of [`HemisphereMap`], stretched half vectors or their like for refraction, so that they
 //! fit a lobe of any width; those of the far side are there if [`Bsdf::refraction`] says that light passes.
 
-use crate::{bsdf::Bsdf, quadrature::HemisphereMap};
-use core::f64::consts::{FRAC_PI_2, SQRT_2};
+use crate::{
+    bsdf::{Bsdf, MIN_COS},
+    quadrature::HemisphereMap,
+};
+use core::f64::consts::{FRAC_PI_2, SQRT_2, TAU};
 use etendue_color::Spectrum;
-use glam::{DVec2, DVec3, Vec3A};
+use glam::{DVec2, DVec3, Vec3A, vec3a};
 
 /// Bins in ψ.
 const PSI_BINS: usize = 16;
@@ -33,6 +36,8 @@ pub struct Expected {
     pub pdf_integral: f64,
     /// Directional albedo, reflection and transmission, with perfectly specular parts.
     pub albedo: Spectrum,
+    /// About what of ∫ pdf lies within [`MIN_COS`] of the horizon, where no sample may be: quadrature does not see the gap.
+    pub gap: f64,
     /// How often the closure was asked.
     pub calls: usize,
 }
@@ -44,8 +49,15 @@ impl Expected {
         let edges = radial_edges(bsdf.narrowest_alpha());
         let sides = [Some(HemisphereMap::upper(bsdf, wo)), HemisphereMap::lower(bsdf, wo)];
         let sides: Vec<HemisphereMap> = sides.into_iter().flatten().collect();
-        let mut out =
-            Self { sides, edges, bins: Vec::new(), pdf_integral: 0.0, albedo: Spectrum::ZERO, calls: 0 };
+        let mut out = Self {
+            sides,
+            edges,
+            bins: Vec::new(),
+            pdf_integral: 0.0,
+            albedo: Spectrum::ZERO,
+            gap: 0.0,
+            calls: 0,
+        };
         if !(wo.z > 0.0) {
             out.bins = vec![0.0; out.sides.len() * (out.edges.len() - 1) * PSI_BINS];
             return out;
@@ -67,6 +79,7 @@ impl Expected {
             }
             out.calls += table.calls;
         }
+        out.gap = gap(bsdf, wo);
         out.albedo = Spectrum(albedo.map(|v| v as f32));
         for d in bsdf.deltas(wo).into_iter().flatten() {
             out.albedo += d.reflectance;
@@ -99,6 +112,20 @@ fn sector(p: DVec2) -> usize {
     };
     let beyond = |slope: f64| usize::from(y >= slope * x);
     4 * quarter + beyond(SQRT_2 - 1.0) + beyond(1.0) + beyond(SQRT_2 + 1.0)
+}
+
+/// ∫ pdf over the directions within [`MIN_COS`] of the horizon, from its values next to them.
+fn gap<B: Bsdf + ?Sized>(bsdf: &B, wo: Vec3A) -> f64 {
+    const AZIMUTHS: usize = 720;
+    let step = TAU / AZIMUTHS as f64;
+    let mut sum = 0.0;
+    for k in 0..AZIMUTHS {
+        let (sin, cos) = ((k as f64 + 0.5) * step).sin_cos();
+        for z in [2.0 * MIN_COS, -2.0 * MIN_COS] {
+            sum += f64::from(bsdf.eval_pdf(wo, vec3a(cos as f32, sin as f32, z)).pdf);
+        }
+    }
+    sum * step * f64::from(MIN_COS)
 }
 
 /// Radial edges: quantiles of the narrowest lobe's slopes, then even steps of the half vector's angle.
