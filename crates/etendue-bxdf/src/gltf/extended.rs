@@ -333,7 +333,8 @@ impl Extended {
             let base = reflected.unwrap_or(DeltaPart { wi, reflectance: Spectrum::ZERO, probability: 0.0 });
             reflected = Some(DeltaPart {
                 reflectance: base.reflectance + Spectrum::splat(f),
-                probability: base.probability + view.p[COAT],
+                // Shares that add up to one may miss it by a rounding.
+                probability: (base.probability + view.p[COAT]).min(1.0),
                 ..base
             });
         }
