@@ -17,6 +17,7 @@ mod interface;
 mod model;
 mod rough;
 mod thin;
+mod whole;
 
 pub use crate::fresnel_term::Dielectric;
 pub use diffuse_transmission::DiffuseTransmission;

@@ -62,23 +62,23 @@ enum Kind {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GgxDielectric<I> {
-    ggx: Ggx,
+    pub(super) ggx: Ggx,
     interface: I,
     kind: Kind,
-    eta: f32,
+    pub(super) eta: f32,
     /// Factor of what is refracted: 1/η² for radiance, 1 for importance.
-    scale: f32,
+    pub(super) scale: f32,
     reflection: Spectrum,
     transmission: Spectrum,
 }
 
 /// What one microfacet does with light.
 #[derive(Clone, Copy)]
-struct Split {
-    reflected: Spectrum,
+pub(super) struct Split {
+    pub reflected: Spectrum,
     /// Without the scaling of radiance.
-    transmitted: Spectrum,
-    p_reflect: f32,
+    pub transmitted: Spectrum,
+    pub p_reflect: f32,
 }
 
 #[inline(always)]
@@ -177,7 +177,7 @@ impl<I: Interface> GgxDielectric<I> {
     }
 
     #[inline(always)]
-    fn split(&self, reflect: Spectrum, transmit: Spectrum) -> Split {
+    pub(super) fn split(&self, reflect: Spectrum, transmit: Spectrum) -> Split {
         let (reflected, transmitted) = (reflect * self.reflection, transmit * self.transmission);
         let (r, t) = (sum(reflected), sum(transmitted));
         let p = if r + t > 0.0 { r / (r + t) } else { 1.0 };

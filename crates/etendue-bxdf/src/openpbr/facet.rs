@@ -1,7 +1,11 @@
 //! What one microfacet of the base does: metal, opaque dielectric and translucent dielectric side by side, each with or
 //! without a film.
 
-use super::{OpenPbrParams, index, index::unit, lobe::Lobe};
+use super::{
+    OpenPbrParams, index,
+    index::unit,
+    lobe::{Lobe, Seen},
+};
 use crate::{
     conductor::k_from_f0,
     dielectric::{Interface, MATCHED, Sheet},
@@ -199,12 +203,6 @@ impl Facets {
         self.boundary(cos, self.eta, &self.film.as_ref().map(|f| (f, f.at(cos))))
     }
 
-    /// The relative index of the dielectric, if no film changes its reflectance.
-    #[inline(always)]
-    pub fn bare_eta(&self) -> Option<f32> {
-        self.film.is_none().then_some(self.eta)
-    }
-
     /// The relative index of the dielectric under the coat.
     #[inline(always)]
     pub fn eta(&self) -> f32 {
@@ -305,18 +303,18 @@ impl Boundary {
         }
     }
 
-    /// How far the reflectance is from the bare boundary's, at an angle on the near side.
+    /// Reflectance at an angle on the near side; 1 where light cannot be refracted, whatever coat or film say.
     #[inline(always)]
-    pub fn change(&self, cos: f32) -> Spectrum {
-        (self.both(cos) - Spectrum::splat(boundary(cos, self.eta))).map(f32::abs)
+    pub fn whole(&self, cos: f32) -> Spectrum {
+        let refracted = 1.0 - (1.0 - cos) * (1.0 + cos) / (self.eta * self.eta);
+        if refracted > 0.0 { self.both(cos) } else { Spectrum::ONE }
     }
 
-    /// The mean reflectance of the facets seen from `wo`, and how far it may be too low.
+    /// The mean reflectance of the facets seen from `wo`.
     #[inline]
-    fn mean(&self, wo: Vec3A) -> (Spectrum, f32) {
-        let seen = self.lobe.seen(wo);
+    fn mean(&self, seen: &Seen) -> Spectrum {
         let [mean] = seen.mean(|cos| [self.both(cos)]);
-        (mean, seen.slack)
+        mean
     }
 
     /// Reflectance at an angle on the near side.
@@ -347,12 +345,14 @@ impl Interface for Boundary {
     /// Asked for where both sides have the same index, and a film or a coat reflects.
     #[inline(always)]
     fn reflect_mean(&self, wo: Vec3A, _w: f32) -> Spectrum {
-        if self.front { Spectrum::ZERO } else { self.mean(wo).0 }
+        if self.front { Spectrum::ZERO } else { self.mean(&self.lobe.seen(wo)) }
     }
     #[inline(always)]
     fn transmit_mean(&self, wo: Vec3A, _w: f32) -> Spectrum {
-        let (mean, slack) = self.mean(wo);
-        (Spectrum::splat(1.0 - slack) - mean).max(Spectrum::ZERO)
+        let seen = self.lobe.seen(wo);
+        // From inside what the facets mask of their reflection passes; the slack is the table's.
+        let [taken, slack] = if self.front { [1.0, 0.0] } else { [seen.e, seen.slack] };
+        (Spectrum::splat(1.0 - slack) - self.mean(&seen) * taken).max(Spectrum::ZERO)
     }
     /// Both sides of the boundary ask at the outer angle, which they agree on.
     #[inline(always)]

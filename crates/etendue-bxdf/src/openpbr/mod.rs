@@ -15,8 +15,8 @@
 //! The E are albedos seen from `wo` alone, so that a lossless base keeps a white furnace white under any layers; the price
 //! is reciprocity. They are exact for each lobe's own Fresnel term, thin films among them ([`crate::fresnel_average`]), and
 //! contain the light that single scattering loses between microfacets, which goes back to its lobe: of metals and reflections
-//! by a geometric series of bounces, of what enters or leaves a volume by the loss of a bare boundary
-//! ([`crate::multiscatter`]), taken on the side of too little where a coat, a film or two widths change that.
+//! by a geometric series of bounces, of the boundary of a volume by sending it into the denser medium
+//! ([`GgxDielectric::whole_eval_pdf`](crate::GgxDielectric::whole_eval_pdf)).
 //!
 //! # What the specification leaves open, and where this departs from it
 //! - **Darkening, roughening, view-dependent absorption** are its recommended formulas. K's smooth part F(ωo) makes the

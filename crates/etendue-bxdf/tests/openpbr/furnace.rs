@@ -102,7 +102,7 @@ fn whites() -> Vec<White> {
                             ),
                             params,
                             front,
-                            below: bound(passes, cover, roughness, anisotropy),
+                            below: bound(anisotropy),
                         });
                     }
                 }
@@ -112,17 +112,10 @@ fn whites() -> Vec<White> {
     out
 }
 
-/// How much may be missing: within 0.001 where roughness is isotropic and nothing enters a volume. Tables of anisotropic lobes are
-/// coarser, and those of boundaries are of bare ones; both err to the dark side.
-fn bound(passes: bool, cover: &str, roughness: f32, anisotropy: f32) -> f32 {
-    let bare = cover == "bare" || cover == "fuzz";
-    match (passes && (roughness > 0.0 || cover == "rough coat" || cover == "all"), anisotropy > 0.0) {
-        (true, true) => 0.9,
-        (true, false) if bare => 0.08,
-        (true, false) => 0.25,
-        (false, true) => 0.04,
-        (false, false) => 0.001,
-    }
+/// How much may be missing: within 0.001 where roughness is isotropic; tables of anisotropic lobes are coarser, and err to the
+/// dark side.
+fn bound(anisotropy: f32) -> f32 {
+    if anisotropy > 0.0 { 0.04 } else { 0.001 }
 }
 
 #[test]

@@ -24,11 +24,9 @@ use glam::Vec3A;
 
 /// The closure of an OpenPBR surface at a point; see the [module](super).
 ///
-/// Not reciprocal. What single scattering loses between the facets of a volume's boundary is given back to what passes
-/// (from inside to both parts alike) as far as the tables of [`crate::multiscatter`] are certain of it. Its
-/// [`albedo`](crate::Bsdf::albedo) is the tables' for isotropic roughness, within 2e-3 of the integral for cos θ ≥ 0.05 if
-/// the coat is clear and nothing enters a volume (1e-2 under a thin film), and an estimate otherwise. Where α falls below
-/// [`crate::ggx::ALPHA_DELTA`] a lobe is perfectly specular.
+/// Not reciprocal. Its [`albedo`](crate::Bsdf::albedo) is the tables' for isotropic roughness, within 2e-3 of the
+/// integral for cos θ ≥ 0.05 if the coat is clear and nothing enters a volume (1e-2 under a thin film), and an estimate
+/// otherwise. Where α falls below [`crate::ggx::ALPHA_DELTA`] a lobe is perfectly specular.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpenPbr {
     fuzz: Option<FuzzLayer>,

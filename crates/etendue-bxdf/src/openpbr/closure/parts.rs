@@ -67,15 +67,9 @@ impl OpenPbr {
                     let wi = lobe.ggx.sample_reflection(wo, u);
                     (wi.z > MIN_COS).then_some((turned_over(wi), false))
                 }
-                Beyond::Volume(r) => {
-                    // A facet that reflects all gives the lobe a direction on this side, where it has no value.
-                    let s = r.lobe.sample(wo, uc, u).filter(|s| s.wi.z < 0.0)?;
-                    Some((s.wi, s.delta))
-                }
-                Beyond::Inside(r) => {
-                    let s = r.lobe.sample(wo, uc, u)?;
-                    Some((s.wi, s.delta))
-                }
+                // A facet that reflects all may give a lobe without reflection a direction on this side.
+                Beyond::Volume(r) => r.sample(wo, uc, u).filter(|s| r.reflects() || s.0.z < 0.0),
+                Beyond::Inside(r) => r.sample(wo, uc, u),
             },
             _ => {
                 let wi = self.diffuse[part - DIFFUSE].as_ref()?.lobe.sample(wo, uc, u)?;

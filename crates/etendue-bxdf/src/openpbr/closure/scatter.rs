@@ -28,7 +28,7 @@ impl OpenPbr {
             e.diffuse *= self.outer;
             e.specular *= self.outer;
             if let Beyond::Inside(r) = &self.beyond {
-                let inside = r.lobe.eval_pdf(wo, wi);
+                let inside = r.eval_pdf(wo, wi);
                 let tint = if wi.z > 0.0 { Spectrum::ONE } else { self.exit(wi) };
                 e.specular += inside.specular * tint * view.inside;
                 e.pdf += view.p[BEYOND] * inside.pdf;
@@ -83,6 +83,13 @@ impl OpenPbr {
             e.specular += facets * over * pair.value;
             e.pdf += view.p[BASE] * pair.pdf;
         }
+        if let Beyond::Volume(r) = &self.beyond
+            && r.reflects()
+        {
+            let outside = r.eval_pdf(wo, wi);
+            e.specular += outside.specular * self.facets.tint() * over * self.mix.clear;
+            e.pdf += view.p[BEYOND] * outside.pdf;
+        }
         for (i, matte) in self.diffuse[..DIFFUSE_THROUGH - DIFFUSE].iter().enumerate() {
             if let Some(d) = matte {
                 let lobe = d.lobe.eval_pdf(wo, wi);
@@ -110,7 +117,7 @@ impl OpenPbr {
                 e.pdf += view.p[BEYOND] * pair.pdf;
             }
             Beyond::Volume(r) => {
-                let inside = r.lobe.eval_pdf(wo, wi);
+                let inside = r.eval_pdf(wo, wi);
                 e.specular += inside.specular * view.through * over;
                 e.pdf += view.p[BEYOND] * inside.pdf;
             }

@@ -4,11 +4,7 @@ use super::{
     Beyond, OpenPbr,
     parts::{BASE, BEYOND, COAT, DIFFUSE, DIFFUSE_THROUGH, FUZZ, PARTS, probabilities},
 };
-use crate::{
-    bsdf::Bsdf,
-    dielectric::Interface,
-    openpbr::{coat::CoatView, facet::boundary},
-};
+use crate::{bsdf::Bsdf, openpbr::coat::CoatView};
 use etendue_color::Spectrum;
 use glam::Vec3A;
 
@@ -96,25 +92,25 @@ impl OpenPbr {
                 through = ratio(part, p * behind.e);
                 albedo[BEYOND] = part * under * over[2];
             }
-            Beyond::Volume(r) => {
-                let eta = r.lobe.interface().eta();
+            Beyond::Volume(r) if r.reflects() => {
+                // Its own lobe reflects what this part reflects.
+                clear = black;
+                through = self.passage * self.mix.clear;
+                let [reflected, passed] = r.energy(wo, c);
+                albedo[BEYOND] = (reflected * self.facets.tint() * over[0] * self.mix.clear
+                    + passed * through * over[2])
+                    * under;
+            }
+            Beyond::Volume(_) => {
                 let part = if self.facets.eta() < 1.0 {
-                    // Both parts are scaled alike: the mean over a step, where total reflection begins, is not to be
-                    // trusted with the smaller part.
-                    let scale = self.mix.clear / r.kept(wo);
-                    clear = Spectrum::splat(scale);
-                    through = self.passage * scale;
-                    (Spectrum::splat(r.kept(wo)) - c * seen.e).max(black) * through
+                    // The mean over a step, where total reflection begins, is not to be trusted with the smaller part.
+                    clear = Spectrum::splat(self.mix.clear);
+                    through = self.passage * self.mix.clear;
+                    (Spectrum::ONE - c * seen.e).max(black) * through
                 } else {
                     // All that is not reflected, whatever the facets lose of it.
                     let part = (rest - c * clear_scale * seen.e).max(black) * self.mix.clear * self.passage;
-                    let bare = if self.facets.bare_eta() == Some(eta) {
-                        c
-                    } else {
-                        let [bare] = seen.mean(|cos| [Spectrum::splat(boundary(cos, eta))]);
-                        bare
-                    };
-                    through = ratio(part, r.passed(wo, seen.e, bare, c));
+                    through = ratio(part, (Spectrum::ONE - c).max(black));
                     part
                 };
                 albedo[BEYOND] = part * under * over[2];
@@ -129,8 +125,10 @@ impl OpenPbr {
                 *a *= self.outer;
             }
             if let Beyond::Inside(r) = &self.beyond {
-                inside = (1.0 - self.outer) / r.kept_inside(wo, &self.facets, &self.base);
-                let [r, t] = r.lobe.energy(wo);
+                inside = 1.0 - self.outer;
+                let boundary = r.lobe.interface();
+                let [mean] = seen.mean(|cos| [boundary.whole(cos)]);
+                let [r, t] = r.energy(wo, mean);
                 albedo[BEYOND] = (r + t * self.passage) * (1.0 - self.outer);
             }
         }
