@@ -45,6 +45,7 @@ impl Text {
             let what = format!("{length} bytes of JSON");
             return Err(Fault::TooLarge { pointer: String::new(), what, limit: "json_bytes" });
         }
+        json::check_depth(parts.json, options.limits.json_depth)?;
         let tree = json::parse(parts.json, &mut warnings)?;
         Ok(Self { tree, bytes: length, warnings })
     }
@@ -104,7 +105,8 @@ impl<'f> Gltf<'f> {
         let mut warnings = reader.warnings;
         let hierarchy = Hierarchy::new(&doc, limits)?;
         let shown = hierarchy.shown(&doc, &mut warnings)?;
-        let source = Source { folder, limits, keep_files: options.image_files };
+        let used = bytes.len() as u64;
+        let source = Source { folder, limits, used, keep_files: options.image_files };
         let mut buffers = Buffers::load(&doc, parts.binary, &source, &mut warnings)?;
         let mut budget = Budget::new(limits, bytes.len() as u64 + buffers.external);
         buffers.decompress(&doc, &mut budget)?;
@@ -153,7 +155,6 @@ impl<'f> Gltf<'f> {
     /// The scene `seconds` into the animation, or at rest.
     pub fn at(&self, seconds: Option<f64>) -> Result<Imported, Fault> {
         let (doc, accessors) = (&self.doc, self.accessors());
-        let source = Source { folder: self.folder, limits: &self.limits, keep_files: self.keep_files };
         let mut warnings = self.warnings.clone();
         let pose = match seconds {
             Some(seconds) => Pose::at(seconds, &self.animation, accessors, &mut warnings)?,
@@ -169,6 +170,8 @@ impl<'f> Gltf<'f> {
             plan.node(i)?;
         }
         let joints = joint_matrices(&mut plan, &globals, accessors)?;
+        let used = self.bytes + self.buffers.external + plan.budget.booked();
+        let source = Source { folder: self.folder, limits: &self.limits, used, keep_files: self.keep_files };
         let Plan {
             jobs, instances, materials, variants, textures, lights, mut cameras, mut warnings, ..
         } = plan;

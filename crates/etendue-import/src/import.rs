@@ -89,11 +89,12 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported, ImportEr
 /// The bytes of the model at `path`.
 pub(crate) fn read_model(path: &Path, options: &ImportOptions) -> Result<Vec<u8>, ImportError> {
     let name = path.display().to_string();
-    read_file(path, options.limits.file_bytes).map_err(|e| match e {
+    let (most, limit) = options.limits.for_file();
+    read_file(path, most).map_err(|e| match e {
         ReadError::Io(source) => ImportError::Read { file: name.clone(), source },
         ReadError::TooLarge(n) => {
             let what = format!("{n} bytes");
-            Fault::TooLarge { pointer: String::new(), what, limit: "file_bytes" }.in_file(&name)
+            Fault::TooLarge { pointer: String::new(), what, limit }.in_file(&name)
         }
     })
 }

@@ -38,6 +38,29 @@ pub(crate) fn parse(mut text: &[u8], warnings: &mut Warnings) -> Result<Value, F
     })
 }
 
+/// An error if objects and arrays of `text` lie deeper within one another than `most`. Looks at brackets outside of strings, whether
+/// or not the rest is JSON.
+pub(crate) fn check_depth(text: &[u8], most: u32) -> Result<(), Fault> {
+    let (mut depth, mut quoted, mut escaped) = (0u32, false, false);
+    for &b in text {
+        match b {
+            _ if escaped => escaped = false,
+            b'\\' if quoted => escaped = true,
+            b'"' => quoted = !quoted,
+            b'{' | b'[' if !quoted => {
+                depth += 1;
+                if depth > most {
+                    let what = format!("more than {most} objects and arrays within one another");
+                    return Err(Fault::TooLarge { pointer: String::new(), what, limit: "json_depth" });
+                }
+            }
+            b'}' | b']' if !quoted => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
 fn kind(v: &Value) -> &'static str {
     match v {
         Value::Null => "null",

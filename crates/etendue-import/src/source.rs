@@ -4,7 +4,7 @@ use crate::error::Fault;
 use crate::limits::Limits;
 use crate::texture::{Decoded, format_of};
 use crate::uri;
-use etendue_image::Image;
+use etendue_image::{DecodeLimits, Image, decode};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -15,11 +15,35 @@ pub(crate) struct Source<'a> {
     /// The model's folder; `None` if it came from memory and has no surroundings.
     pub folder: Option<&'a Path>,
     pub limits: &'a Limits,
+    /// Bytes that files and geometry take already.
+    pub used: u64,
     /// Whether pictures keep the bytes that they were decoded from.
     pub keep_files: bool,
 }
 
 impl Source<'_> {
+    /// Decodes a picture of which no more than `left` bytes may come.
+    ///
+    /// # Errors
+    /// A sentence.
+    pub fn decode(&self, bytes: &[u8], left: u64) -> Result<Image, String> {
+        let limits = DecodeLimits { max_pixels: self.limits.image_pixels, max_bytes: left };
+        let image = decode(bytes, &limits).map_err(|e| e.to_string())?;
+        self.dimensions(&image).map(|()| image)
+    }
+
+    /// An error for a picture that is longer than the limits allow.
+    pub fn dimensions(&self, image: &Image) -> Result<(), String> {
+        let longest = image.width.max(image.height);
+        if longest > self.limits.image_dimension {
+            return Err(format!(
+                "{} × {} pixels are more than the limit `image_dimension`, {}, allows",
+                image.width, image.height, self.limits.image_dimension
+            ));
+        }
+        Ok(())
+    }
+
     /// A picture that was decoded from `bytes`.
     pub fn decoded(&self, image: Arc<Image>, bytes: Vec<u8>) -> Decoded {
         Decoded {
@@ -50,13 +74,14 @@ impl Source<'_> {
         let path = uri::resolve(uri, folder, self.limits.outside_folder).map_err(|(p, e)| missing(p, e))?;
         let candidates = [Some(path.clone()), self.as_written(uri, folder)];
         for p in candidates.into_iter().flatten() {
-            match read_file(&p, self.limits.file_bytes) {
+            let (limit, name) = self.limits.for_file();
+            match read_file(&p, limit) {
                 Ok(bytes) => return Ok(bytes),
                 Err(ReadError::TooLarge(n)) => {
                     return Err(Fault::TooLarge {
                         pointer: format!("{pointer}/uri"),
                         what: format!("{} has {n} bytes", p.display()),
-                        limit: "file_bytes",
+                        limit: name,
                     });
                 }
                 Err(ReadError::Io(e)) if e.kind() == io::ErrorKind::NotFound => {}
@@ -83,7 +108,9 @@ impl std::fmt::Display for ReadError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Io(e) => e.fmt(f),
-            Self::TooLarge(n) => write!(f, "{n} bytes are more than the limit `file_bytes` allows"),
+            Self::TooLarge(n) => {
+                write!(f, "{n} bytes are more than the limits `file_bytes` and `memory_bytes` allow")
+            }
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::buffers::Buffers;
 use crate::document::{self, Document, get};
 use crate::error::Fault;
-use crate::limits::Limits;
+use crate::limits::shown;
 use crate::source::Source;
 use crate::uri;
 use crate::warning::Warnings;
@@ -168,13 +168,13 @@ pub(crate) fn decode_all(
     already: u64,
     done: &(dyn Fn() + Sync),
 ) -> Vec<Result<Decoded, Fault>> {
-    let Limits { image_pixels, image_bytes, .. } = *source.limits;
+    let (allowed, limit) = source.limits.for_images(source.used);
     let total = AtomicU64::new(already);
     which
         .par_iter()
         .map(|&i| {
             let code = bytes(doc, i, buffers, source)?;
-            let limits = DecodeLimits { max_pixels: image_pixels, max_bytes: image_bytes };
+            let limits = DecodeLimits { max_pixels: source.limits.image_pixels, max_bytes: allowed };
             let format = format_of(&code);
             let refused = |what: String| Fault::Unsupported {
                 pointer: format!("/images/{i}"),
@@ -188,6 +188,20 @@ pub(crate) fn decode_all(
                 ImageError::Unsupported { feature, .. } if format == "KTX2" => {
                     refused(format!("KTX2 textures with {feature}"))
                 }
+                ImageError::TooLarge { width, height, cause, .. } if cause.contains("the limit of") => {
+                    let pixels = width.saturating_mul(height) > limits.max_pixels;
+                    Fault::TooLarge {
+                        pointer: format!("/images/{i}"),
+                        what: format!("{width} × {height} pixels: {cause}"),
+                        limit: if pixels { "image_pixels" } else { limit },
+                    }
+                }
+                // What the PNG decoder needs beside the picture counts, too.
+                e if e.to_string().contains("more memory than is allowed") => Fault::TooLarge {
+                    pointer: format!("/images/{i}"),
+                    what: format!("decodes to more than {}", shown(allowed)),
+                    limit,
+                },
                 e => {
                     let d = &doc.images[i as usize];
                     let name = d.uri.map_or_else(|| format!("`{}`", uri::shorten(d.name)), uri::shorten);
@@ -195,6 +209,11 @@ pub(crate) fn decode_all(
                 }
             };
             let image = decode(&code, &limits).map_err(fault)?;
+            source.dimensions(&image).map_err(|what| Fault::TooLarge {
+                pointer: format!("/images/{i}"),
+                what,
+                limit: "image_dimension",
+            })?;
             let (mut said, mut mips, mut srgb) = (format, 1, None);
             if format == "KTX2" {
                 let k = Ktx2::new(&code, &limits).map_err(fault)?;
@@ -206,11 +225,11 @@ pub(crate) fn decode_all(
                 };
             }
             let size = image.bytes() as u64;
-            if total.fetch_add(size, Ordering::Relaxed).saturating_add(size) > image_bytes {
+            if total.fetch_add(size, Ordering::Relaxed).saturating_add(size) > allowed {
                 return Err(Fault::TooLarge {
                     pointer: "/images".into(),
-                    what: format!("decodes to more than {} MiB", image_bytes >> 20),
-                    limit: "image_bytes",
+                    what: format!("decodes to more than {}", shown(allowed)),
+                    limit,
                 });
             }
             let encoded_bytes = code.len() as u64;

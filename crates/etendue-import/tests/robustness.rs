@@ -82,10 +82,60 @@ fn pictures_are_bounded() {
     m.push("materials", json!({"emissiveTexture": {"index": 0}}));
     m.json["meshes"][0]["primitives"][0]["material"] = json!(0);
     assert!(m.import_with(&limited(|l| l.image_pixels = 2)).is_ok());
-    for o in [limited(|l| l.image_pixels = 1), limited(|l| l.image_bytes = 5)] {
-        let e = m.import_with(&o).unwrap_err();
-        assert!(matches!(e, ImportError::Image { .. } | ImportError::TooLarge { .. }), "{e}");
+    assert_eq!(too_large(&m, &limited(|l| l.image_pixels = 1)), "image_pixels");
+    assert_eq!(too_large(&m, &limited(|l| l.image_bytes = 5)), "image_bytes");
+    assert_eq!(too_large(&m, &limited(|l| l.image_dimension = 1)), "image_dimension");
+}
+
+/// File, geometry and pictures count against one limit: each of them alone stays within it.
+#[test]
+fn memory_is_bounded_over_all_parts() {
+    let mut m = with(json!({"emissiveTexture": {"index": 0}}));
+    let least = |m: &Model| {
+        let fits = |n: u64| m.import_with(&limited(|l| l.memory_bytes = n)).is_ok();
+        let (mut no, mut yes) = (0, 1 << 20);
+        assert!(fits(yes));
+        while yes - no > 1 {
+            let middle = (no + yes) / 2;
+            if fits(middle) { yes = middle } else { no = middle }
+        }
+        assert_eq!(too_large(m, &limited(|l| l.memory_bytes = no)), "memory_bytes");
+        yes
+    };
+    let (all, file) = (least(&m), m.glb().len() as u64);
+    m.json["materials"] = json!([{}]);
+    let without_picture = least(&m) - m.glb().len() as u64;
+    let picture = all - file - without_picture;
+    assert!((6..64).contains(&picture), "two pixels: {picture}");
+    assert!(without_picture > 3 * 12, "a triangle");
+}
+
+#[test]
+fn accessors_and_depth_are_bounded() {
+    let mut m = Model::new();
+    m.triangle(json!({}));
+    assert!(m.import_with(&limited(|l| l.accessors = 1)).is_ok());
+    assert_eq!(too_large(&m, &limited(|l| l.accessors = 0)), "accessors");
+    m.json["asset"]["extras"] = json!([[[[["]"]]]]]);
+    assert!(m.import_with(&limited(|l| l.json_depth = 7)).is_ok());
+    assert_eq!(too_large(&m, &limited(|l| l.json_depth = 6)), "json_depth");
+    // Brackets in text are text.
+    m.json["asset"]["extras"] = json!("[[[[[[[[\\\"[[[[");
+    assert!(m.import_with(&limited(|l| l.json_depth = 6)).is_ok());
+}
+
+/// Every limit by its name, as errors and users have it.
+#[test]
+fn limits_have_names() {
+    let mut l = Limits::default();
+    for (name, about) in Limits::NAMES {
+        assert!(!about.trim().is_empty());
+        let before = l.get(name).unwrap();
+        l.set(name, 7).unwrap();
+        assert!(before != 7 && l.get(name) == Some(7), "{name}");
     }
+    assert!(l.set("json_dept", 1).is_err_and(|e| e.contains("json_depth")));
+    assert!(l.set("node_depth", 1 << 40).is_err());
 }
 
 #[test]
@@ -217,6 +267,9 @@ fn deeply_nested_json_is_an_error() {
     let mut text = br#"{"asset":{"version":"2.0"},"extras":"#.to_vec();
     text.extend(b"[".repeat(1_000_000));
     let e = import_bytes(&text, "deep.gltf", &ImportOptions::default()).unwrap_err();
+    assert!(matches!(e, ImportError::TooLarge { limit: "json_depth", .. }), "{e}");
+    // The parser has a bound of its own, whatever is asked for.
+    let e = import_bytes(&text, "deep.gltf", &limited(|l| l.json_depth = u32::MAX)).unwrap_err();
     assert!(matches!(e, ImportError::Json { .. }), "{e}");
 }
 

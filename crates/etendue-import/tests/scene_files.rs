@@ -307,6 +307,17 @@ fn limits_hold_for_all_models_together() {
     assert!(load_with(text, dir.path(), &limits(100, 9)).is_ok());
     let e = load_with(text, dir.path(), &limits(100, 8)).expect_err("too many").to_string();
     assert!(e.contains("`vertices`"), "{e}");
+    // Enough for either of them.
+    let memory = |memory_bytes: u64| {
+        let limits = Limits { memory_bytes, ..Limits::default() };
+        LoadOptions { import: ImportOptions { limits, ..ImportOptions::default() }, ..LoadOptions::default() }
+    };
+    let alone = |n: u64| load_with("[[model]]\nfile = 'm.obj'\n", dir.path(), &memory(n)).is_ok();
+    let least = (1..1 << 16).find(|n| alone(64 * n)).expect("so small a model fits") * 64;
+    let both = "[[model]]\nfile = 'plain.obj'\n[[model]]\nfile = 'm.obj'\n";
+    let together = |n: u64| load_with(both, dir.path(), &memory(n)).map(|_| ()).map_err(|e| e.to_string());
+    assert!(together(least).is_err_and(|e| e.contains("`memory_bytes`")));
+    assert_eq!(together(3 * least), Ok(()));
 }
 
 /// Every setting of the template, behind `#` without a space, is taken where it stands.

@@ -61,13 +61,12 @@ impl<'v> Document<'v> {
         let extensions_used = names(r, o, "extensionsUsed");
         let extensions_required = names(r, o, "extensionsRequired");
         extensions::check_required(&extensions_required, &mut r.warnings)?;
-        let node_count = o.get("nodes").and_then(Value::as_array).map_or(0, Vec::len) as u64;
-        if node_count > limits.nodes {
-            return Err(Fault::TooLarge {
-                pointer: "/nodes".into(),
-                what: format!("{node_count} nodes"),
-                limit: "nodes",
-            });
+        for (limit, most) in [("nodes", limits.nodes), ("accessors", limits.accessors)] {
+            let count = o.get(limit).and_then(Value::as_array).map_or(0, Vec::len) as u64;
+            if count > most {
+                let what = format!("{count} {limit}");
+                return Err(Fault::TooLarge { pointer: format!("/{limit}"), what, limit });
+            }
         }
         let lights = r.extension(o, extensions::LIGHTS_PUNCTUAL, |r, o| r.list(o, "lights", Light::read))?;
         let variants = variants::names(r, o)?;

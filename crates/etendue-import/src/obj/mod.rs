@@ -33,12 +33,15 @@ pub(crate) fn read(
 ) -> Result<Imported, Fault> {
     let mut warnings = Warnings::default();
     let obj = parse::parse(bytes, &mut warnings)?;
-    let source = Source { folder, limits: &options.limits, keep_files: options.image_files };
+    let source =
+        Source { folder, limits: &options.limits, keep_files: options.image_files, used: bytes.len() as u64 };
     let (libraries, read) = library::read_all(&obj.libraries, &source, &mut warnings);
 
-    let mut budget = Budget::new(&options.limits, bytes.len() as u64 + read);
     let mut out = Assembly::default();
     let materials = surface::convert_all(&obj, &libraries, &source, &mut out, &mut warnings)?;
+    let input = bytes.len() as u64 + read;
+    let mut budget = Budget::new(&options.limits, input);
+    budget.beside(out.images.iter().map(|d| d.image.bytes() as u64).sum());
     mesh::build_all(&obj, &materials, &mut budget, &mut out, &mut warnings)?;
     let pictures: u64 = out.images.iter().map(|d| d.encoded_bytes).sum();
     let (bytes, external) = (bytes.len() as u64, read + pictures);

@@ -2,11 +2,12 @@
 
 use super::library::{Map, read};
 use crate::error::Fault;
+use crate::limits::shown as shown_bytes;
 use crate::source::Source;
 use crate::text::shown;
 use crate::texture::Decoded;
 use crate::warning::Warnings;
-use etendue_image::{DecodeLimits, Image, Pixels, decode};
+use etendue_image::{Image, Pixels};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -26,13 +27,13 @@ impl Pictures {
                 wanted.push(*m);
             }
         }
-        let limits = source.limits;
-        let decode_limits = DecodeLimits { max_pixels: limits.image_pixels, max_bytes: limits.image_bytes };
+        let (allowed, limit) = source.limits.for_images(source.used);
         let results: Vec<Result<Decoded, String>> = wanted
             .par_iter()
             .map(|(m, _)| {
                 let bytes = read(source, &places(m).iter().map(|p| &p[..]).collect::<Vec<_>>(), "picture")?;
-                let image = decode(&bytes, &decode_limits)
+                let image = source
+                    .decode(&bytes, allowed)
                     .map_err(|e| format!("the picture `{}` cannot be decoded: {e}", shown(&m.file)))?;
                 Ok(source.decoded(Arc::new(image), bytes))
             })
@@ -43,10 +44,9 @@ impl Pictures {
             match r {
                 Ok(d) => {
                     total = total.saturating_add(d.image.bytes() as u64);
-                    if total > limits.image_bytes {
-                        let what =
-                            format!("its pictures decode to more than {} MiB", limits.image_bytes >> 20);
-                        return Err(Fault::TooLarge { pointer: (*place).into(), what, limit: "image_bytes" });
+                    if total > allowed {
+                        let what = format!("its pictures decode to more than {}", shown_bytes(allowed));
+                        return Err(Fault::TooLarge { pointer: (*place).into(), what, limit });
                     }
                     files.insert((m.folder.clone(), m.file.clone()), d);
                 }

@@ -22,7 +22,6 @@ use crate::obj::library;
 use crate::source::Source;
 use crate::texture::Decoded;
 use crate::warning::Warnings;
-use etendue_image::{DecodeLimits, decode};
 use etendue_scene::{Sampler, TextureRef};
 use glam::Vec3;
 use header::{Encoding, Header};
@@ -74,7 +73,12 @@ pub(crate) fn read(
     let mut out = Assembly::default();
     let mut external = 0;
     let picture = header.texture.as_deref().filter(|_| uvs);
-    let source = Source { folder, limits: &options.limits, keep_files: options.image_files };
+    let source = Source {
+        folder,
+        limits: &options.limits,
+        keep_files: options.image_files,
+        used: bytes.len() as u64 + budget.booked(),
+    };
     let texture = picture.and_then(|name| self::picture(name, &source, &mut warnings));
     let mut material = plain();
     if let Some(d) = texture {
@@ -101,10 +105,10 @@ pub(crate) fn read(
 fn picture(name: &str, source: &Source<'_>, warnings: &mut Warnings) -> Option<Decoded> {
     let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
     let made = library::read(source, &[name.as_bytes(), last.as_bytes()], "picture").and_then(|bytes| {
-        let l = source.limits;
-        let limits = DecodeLimits { max_pixels: l.image_pixels, max_bytes: l.image_bytes };
-        let image =
-            decode(&bytes, &limits).map_err(|e| format!("the picture `{name}` cannot be decoded: {e}"))?;
+        let (left, _) = source.limits.for_images(source.used);
+        let image = source
+            .decode(&bytes, left)
+            .map_err(|e| format!("the picture `{name}` cannot be decoded: {e}"))?;
         Ok(source.decoded(Arc::new(image), bytes))
     });
     made.map_err(|why| warnings.add("comment TextureFile", format!("{why}; shown without"))).ok()

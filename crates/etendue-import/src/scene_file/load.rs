@@ -11,7 +11,6 @@ use crate::info::ImageInfo;
 use crate::limits::Limits;
 use crate::source::{Source, read_file};
 use crate::{plan, tangents};
-use etendue_image::{DecodeLimits, decode};
 use etendue_scene::{MeasuredMaterial, Sampler, Scene, Texture, TextureRef};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -181,7 +180,7 @@ impl SceneFile {
             Some((path, span)) => {
                 let fail = |e: String| self.text.wrong(span, format!("{}: {e}", path.display()), None);
                 let bytes =
-                    read_file(path, options.import.limits.file_bytes).map_err(|e| fail(e.to_string()))?;
+                    read_file(path, options.import.limits.for_file().0).map_err(|e| fail(e.to_string()))?;
                 Some(MeasuredMaterial::from_bytes(&bytes).map_err(|e| fail(e.to_string()))?)
             }
             None => None,
@@ -213,10 +212,10 @@ impl SceneFile {
         }
         let fail = |e: String| self.text.wrong(span, format!("{}: {e}", path.display()), None);
         let limits = options.import.limits.left_by(&all.scene);
-        let bytes = read_file(path, limits.file_bytes).map_err(|e| fail(e.to_string()))?;
-        let within = DecodeLimits { max_pixels: limits.image_pixels, max_bytes: limits.image_bytes };
-        let image = decode(&bytes, &within).map_err(|e| fail(e.to_string()))?;
-        let source = Source { folder: None, limits: &limits, keep_files: options.import.image_files };
+        let bytes = read_file(path, limits.for_file().0).map_err(|e| fail(e.to_string()))?;
+        let used = bytes.len() as u64;
+        let source = Source { folder: None, limits: &limits, used, keep_files: options.import.image_files };
+        let image = source.decode(&bytes, limits.for_images(used).0).map_err(fail)?;
         let decoded = source.decoded(Arc::new(image), bytes);
         let mut info = ImageInfo { uri: Some(path.display().to_string()), ..ImageInfo::default() };
         info.set_decoded(&decoded);
@@ -300,6 +299,7 @@ impl Limits {
         let vertices: u64 = scene.meshes.iter().map(|m| m.positions.len() as u64).sum();
         let geometry: u64 = scene.meshes.iter().map(etendue_scene::Mesh::bytes).sum();
         Self {
+            memory_bytes: self.memory_bytes.saturating_sub(images).saturating_sub(geometry),
             image_bytes: self.image_bytes.saturating_sub(images),
             vertices: self.vertices.saturating_sub(vertices),
             instances: self.instances.saturating_sub(scene.instances.len() as u64),

@@ -4,6 +4,7 @@ use super::CliError;
 use super::bake_args::BakeArgs;
 use super::compare_args::CompareArgs;
 use super::lab_args::LabArgs;
+use super::limit_args::LimitArgs;
 use super::model_args::{CheckArgs, ConvertArgs, InfoArgs, NewArgs};
 use super::sheet_args::SheetArgs;
 use super::sky_args::SkyArgs;
@@ -86,9 +87,9 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "WAY", value_parser = clap::builder::PossibleValuesParser::new(Compensation::CHOICES), help_heading = "Scene")]
     #[serde(default)]
     pub compensation: Option<String>,
-    /// Let the model read files outside its own folder
-    #[arg(long, help_heading = "Scene")]
-    pub allow_outside: bool,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub limits: LimitArgs,
     /// A camera of the file, by number (from 0) or name [default: frames the model]
     #[arg(long, value_name = "N|NAME", conflicts_with_all = ["eye", "target"], help_heading = "Camera")]
     pub camera: Option<String>,

@@ -1,5 +1,6 @@
 //! What can be said to `etendue bake`.
 
+use super::limit_args::LimitArgs;
 use super::values::{Vec3Arg, finite, non_negative, vec3};
 use crate::ibl::{DfgLayout, Kernel, MipMapping, TexelFormat, Window};
 use crate::image::SkyLayout;
@@ -78,9 +79,8 @@ pub(crate) struct BakeArgs {
     /// Most times that light is scattered on its way to a probe
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(..=1024), help_heading = "Probes")]
     pub bounces: u32,
-    /// Let the model read files outside its own folder
-    #[arg(long, help_heading = "Probes")]
-    pub allow_outside: bool,
+    #[command(flatten)]
+    pub limits: LimitArgs,
     /// Texels along an edge of the prefiltered cube: a power of two, 4 to 2048
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = power_of_two, help_heading = "Cubes")]
     pub size: u32,

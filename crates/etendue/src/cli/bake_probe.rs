@@ -14,7 +14,7 @@ use std::path::Path;
 
 /// The model under its sky, ready to be traced; the sky's name, and what was noted.
 fn world(args: &BakeArgs, model: &Path) -> Result<(World, String, Vec<String>), CliError> {
-    let imported = load::model(Some(model), None, args.allow_outside)?;
+    let imported = load::model(Some(model), None, &args.limits)?;
     let sky = args.env.as_deref().unwrap_or("studio");
     let (environment, notes) = load::sky_as(sky, args.env_layout, args.env_rotation, args.env_intensity)?;
     let notes: Vec<String> = imported.warnings.iter().map(ToString::to_string).chain(notes).collect();

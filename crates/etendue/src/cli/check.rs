@@ -146,7 +146,7 @@ impl Checklist {
 }
 
 pub(crate) fn run(args: &CheckArgs) -> Result<(), CliError> {
-    let options = ImportOptions { limits: load::limits(args.allow_outside), ..ImportOptions::default() };
+    let options = ImportOptions { limits: args.limits.limits(), ..ImportOptions::default() };
     let mut list = Checklist::default();
     for path in find_models(&args.files)? {
         let started = Instant::now();

@@ -1,6 +1,7 @@
 //! What can be said to `etendue compare`.
 
 use super::args::{DevelopArgs, RenderArgs};
+use super::limit_args::LimitArgs;
 use super::sky_args::SkyArgs;
 use super::values::{Vec3Arg, finite, non_negative, size, vec3};
 use crate::color::ToneCurve;
@@ -63,9 +64,8 @@ pub(crate) struct ModelArgs {
     /// One of the model's sets of materials, by name
     #[arg(long, value_name = "NAME", help_heading = "Model")]
     pub variant: Option<String>,
-    /// Let the model read files outside its own folder
-    #[arg(long, help_heading = "Model")]
-    pub allow_outside: bool,
+    #[command(flatten)]
+    pub limits: LimitArgs,
     /// Choices of the real-time shading: exact, notes, unity, filament
     #[arg(long, value_name = "NAME", help_heading = "Real time")]
     pub preset: Option<String>,
@@ -145,7 +145,7 @@ impl CompareArgs {
             target: m.target,
             size: m.size,
             variant: m.variant.clone(),
-            allow_outside: m.allow_outside,
+            limits: m.limits.clone(),
             preset: m.preset.clone(),
             choice: m.choice.clone(),
             threads: m.threads,
@@ -167,7 +167,7 @@ impl CompareArgs {
 }
 
 /// Fields of [`ModelArgs`].
-const OF_MODELS: [&str; 21] = [
+const OF_MODELS: [&str; 23] = [
     "env",
     "env_layout",
     "env_rotation",
@@ -178,6 +178,8 @@ const OF_MODELS: [&str; 21] = [
     "size",
     "variant",
     "allow_outside",
+    "max_memory",
+    "limit",
     "preset",
     "choice",
     "realtime_samples",

@@ -20,7 +20,7 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<(), CliError> {
         }
     };
     super::target::check_writable(&args.output)?;
-    let model = load::model_with_files(args.model.as_deref(), args.at, args.allow_outside)?;
+    let model = load::model_with_files(args.model.as_deref(), args.at, &args.limits)?;
     let options =
         ExportOptions { form, copyright: model.info.copyright.clone(), name: model.info.scene.clone() };
     let file =

@@ -165,12 +165,24 @@ pub struct MistakeReport {
     help: Option<String>,
 }
 
+/// How a limit is raised.
+fn raise(limit: &str) -> String {
+    match limit {
+        "memory_bytes" => "--max-memory SIZE raises the limit, as in --max-memory 64GiB".into(),
+        "file_bytes" | "image_bytes" | "geometry_bytes" => {
+            format!("--max-memory SIZE or --limit {limit}=SIZE raises the limit, as in --max-memory 64GiB")
+        }
+        limit => format!("--limit {limit}=NUMBER raises the limit; `etendue help render` lists the limits"),
+    }
+}
+
 fn scene_help(e: &SceneFileError) -> String {
     match e {
         SceneFileError::Read { file, .. } => {
             format!("looked for it at {}; `etendue new` writes one", absolute(file.as_ref()))
         }
         SceneFileError::Model { source, .. } => import_help(source),
+        SceneFileError::TooLarge { limit, .. } => raise(limit),
         _ => "a scene file is text of a few lines: `etendue new` writes one".into(),
     }
 }
@@ -220,7 +232,7 @@ fn import_help(e: &ImportError) -> String {
         }
         ImportError::Missing { .. } => "a .gltf file needs its buffers and images beside it".into(),
         ImportError::Unsupported { .. } => "export the model without it".into(),
-        ImportError::TooLarge { .. } => "programs that use the library can raise its `Limits`".into(),
+        ImportError::TooLarge { limit, .. } => raise(limit),
         _ => "https://github.khronos.org/glTF-Validator examines a file in detail".into(),
     }
 }

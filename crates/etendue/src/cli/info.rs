@@ -10,7 +10,7 @@ use std::fmt::Write;
 pub(crate) fn run(args: &InfoArgs) -> Result<(), CliError> {
     let loading = Loading::new(!args.json);
     let options = ImportOptions {
-        limits: load::limits(args.allow_outside),
+        limits: args.limits.limits(),
         progress: Some(loading.progress()),
         ..ImportOptions::default()
     };

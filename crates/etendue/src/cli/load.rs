@@ -1,13 +1,14 @@
 //! Files into a scene with a sky and a camera.
 
 use super::args::RenderArgs;
+use super::limit_args::LimitArgs;
 use super::loading::Loading;
 use super::material::{Replacement, compensate};
 use super::{CliError, note_line};
 use crate::builtin;
 use crate::image::{SkyLayout, read_environment_as};
 use crate::import::scene_file::is_scene_file;
-use crate::import::{ImportOptions, Imported, Limits, import};
+use crate::import::{ImportOptions, Imported, import};
 use crate::scene::{Camera, Environment, Projection, Scene};
 use glam::Vec3;
 use std::path::Path;
@@ -28,7 +29,7 @@ pub(crate) fn scene(args: &RenderArgs) -> Result<(Scene, Vec<String>), CliError>
     let loading = Loading::new(!args.quiet && !args.json);
     let options = ImportOptions {
         at: args.at,
-        limits: limits(args.allow_outside),
+        limits: args.limits.limits(),
         progress: Some(loading.progress()),
         ..ImportOptions::default()
     };
@@ -54,23 +55,18 @@ pub(crate) fn scene(args: &RenderArgs) -> Result<(Scene, Vec<String>), CliError>
 }
 
 /// The model that the arguments name.
-pub(crate) fn model(path: Option<&Path>, at: Option<f32>, allow_outside: bool) -> Result<Imported, CliError> {
-    read(path, &ImportOptions { at, limits: limits(allow_outside), ..ImportOptions::default() }, None)
+pub(crate) fn model(path: Option<&Path>, at: Option<f32>, limits: &LimitArgs) -> Result<Imported, CliError> {
+    read(path, &ImportOptions { at, limits: limits.limits(), ..ImportOptions::default() }, None)
 }
 
 /// The same, for those who write it again: with the files of its pictures.
 pub(crate) fn model_with_files(
     path: Option<&Path>,
     at: Option<f32>,
-    allow_outside: bool,
+    limits: &LimitArgs,
 ) -> Result<Imported, CliError> {
-    let limits = limits(allow_outside);
+    let limits = limits.limits();
     read(path, &ImportOptions { at, image_files: true, limits, ..ImportOptions::default() }, None)
-}
-
-/// What models may take.
-pub(crate) fn limits(allow_outside: bool) -> Limits {
-    Limits { outside_folder: allow_outside, ..Limits::default() }
 }
 
 /// A model, or what a scene file makes of several; `variant` goes before those that it names.

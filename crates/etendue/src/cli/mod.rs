@@ -18,6 +18,7 @@ mod goal;
 mod info;
 mod lab;
 mod lab_args;
+mod limit_args;
 mod load;
 mod loading;
 mod material;

@@ -1,5 +1,6 @@
 //! What can be said to the commands that look at models: `info`, `check`, `convert`, and to `new`, which writes one.
 
+use super::limit_args::LimitArgs;
 use super::values::finite;
 use clap::Args;
 use std::path::PathBuf;
@@ -8,9 +9,8 @@ use std::path::PathBuf;
 pub(crate) struct InfoArgs {
     /// A .glb, .gltf, .obj, .ply or .stl file or a scene file (.toml); the built-in helmet if absent
     pub model: Option<PathBuf>,
-    /// Let the model read files outside its own folder
-    #[arg(long)]
-    pub allow_outside: bool,
+    #[command(flatten)]
+    pub limits: LimitArgs,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -21,9 +21,8 @@ pub(crate) struct CheckArgs {
     /// Models, and folders in which all models are found: .glb, .gltf, .obj, .ply, .stl; scene files (.toml) by name
     #[arg(required = true, value_name = "FILE|FOLDER")]
     pub files: Vec<PathBuf>,
-    /// Let models read files outside their own folders
-    #[arg(long)]
-    pub allow_outside: bool,
+    #[command(flatten)]
+    pub limits: LimitArgs,
     /// Count warnings as errors
     #[arg(long)]
     pub strict: bool,
@@ -42,9 +41,8 @@ pub(crate) struct ConvertArgs {
     /// The model at this time of its animation instead of at rest; animation itself is not written
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = finite)]
     pub at: Option<f32>,
-    /// Let the model read files outside its own folder
-    #[arg(long)]
-    pub allow_outside: bool,
+    #[command(flatten)]
+    pub limits: LimitArgs,
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,

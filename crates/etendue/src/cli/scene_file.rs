@@ -47,7 +47,7 @@ pub(crate) fn load(
 pub(crate) fn under(args: RenderArgs) -> Result<RenderArgs, CliError> {
     let Some(path) = args.model.clone().filter(|m| is_scene_file(m)) else { return Ok(args) };
     let settings = settings::settings();
-    let file = read(&path, &super::load::limits(args.allow_outside), &settings)?;
+    let file = read(&path, &args.limits.limits(), &settings)?;
     let of = |s: &crate::import::scene_file::Setting| {
         settings.iter().find(|known| known.section == s.section && known.key.name == s.key)
     };

@@ -14,13 +14,15 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 /// Arguments that no table has, and why.
-pub(crate) const NOT_IN_A_SCENE: [(&str, &str); 6] = [
+pub(crate) const NOT_IN_A_SCENE: [(&str, &str); 8] = [
     ("model", "models stand in [[model]]"),
     ("material", "materials are changed by [override]"),
     ("variant", "each model has its own"),
     ("at", "each model has its own"),
     ("resume", "to go on is a deed, not a setting"),
     ("allow_outside", "a file must not allow itself what its reader did not"),
+    ("max_memory", "likewise"),
+    ("limit", "likewise"),
 ];
 
 /// An argument, and where a scene file has it.

@@ -53,7 +53,7 @@ pub(crate) fn run(args: &SheetArgs) -> Result<(), CliError> {
             Some(made.map_err(|e| CliError::Other(format!("the sky: {e}")))?)
         }
     };
-    let limits = load::limits(args.allow_outside);
+    let limits = args.limits.limits();
     let studio = Arc::new(Studio {
         options: ImportOptions { limits, ..ImportOptions::default() },
         at: args.at,

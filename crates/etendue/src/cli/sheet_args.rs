@@ -1,6 +1,7 @@
 //! What `etendue sheet` can be told.
 
 use super::args::Integrator;
+use super::limit_args::LimitArgs;
 use super::values::{finite, positive_duration};
 use crate::color::ToneCurve;
 use clap::Args;
@@ -33,9 +34,8 @@ pub(crate) struct SheetArgs {
     /// Evaluate animations at this time instead of at rest
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = finite, help_heading = "Scene")]
     pub at: Option<f32>,
-    /// Let models read files outside their own folders
-    #[arg(long, help_heading = "Scene")]
-    pub allow_outside: bool,
+    #[command(flatten)]
+    pub limits: LimitArgs,
     /// Exposure, EV: each step doubles the light
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite, help_heading = "Picture")]
     pub exposure: f32,

@@ -123,6 +123,7 @@ fn mistakes_are_shown_where_they_are() {
     wrong("[camera]\neye = [0, 0, 1]\ncamera = 0\n", &["w.toml: line", "cannot be used with"]);
     wrong("[render]\nsamples = [0, 4]\nspp = 3\n", &["w.toml: line", "cannot be used with"]);
     wrong("[render]\nallow_outside = true\n", &["no `allow_outside`"]);
+    wrong("[render]\nmax_memory = '1TiB'\n", &["no `max_memory`"]);
     wrong("[[model]]\nfile = 'none.glb'\n", &["w.toml: line 2", "none.glb"]);
     wrong(
         "[[model]]\nfile = 'm/m.obj'\n[override.rad]\nroughness = 0.5\n",
