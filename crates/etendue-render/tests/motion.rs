@@ -7,7 +7,7 @@ use etendue_scene::{Camera, InvalidScene, Light, LightKind, Mesh, Scene};
 use glam::{Affine3A, Vec3};
 
 const OPEN: Shutter = Shutter { open: 2.0, close: 4.0 };
-const SAMPLES: u32 = 256;
+const SAMPLES: u32 = 512;
 
 /// A quadrilateral in the plane z = 0.
 fn quad(x: [f32; 2], y: [f32; 2]) -> Mesh {
