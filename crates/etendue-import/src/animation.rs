@@ -1,11 +1,13 @@
 //! Animations, evaluated at one moment (glTF 2.0, 3.11 and appendix C).
 
 use crate::accessor::{Accessors, Elements};
-use crate::document::{Animation, Document, Interpolation, Local, Path, Shape, get};
+use crate::changed::Changes;
+use crate::document::{Animation, Channel, Document, Interpolation, Local, Path, Shape, get};
 use crate::error::Fault;
-use crate::nodes::rotation;
+use crate::keyframes::Track;
+use crate::pointer::{Owner, Property, resolve};
+use crate::uri::shorten;
 use crate::warning::Warnings;
-use glam::DQuat;
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
 
@@ -28,6 +30,10 @@ pub enum AnimationChoice {
 pub(crate) struct Pose {
     locals: HashMap<u32, Local>,
     weights: HashMap<u32, Vec<f64>>,
+    mesh_weights: HashMap<u32, Vec<f64>>,
+    visible: HashMap<u32, bool>,
+    /// Values of materials, cameras and lights.
+    pub changes: Changes,
 }
 
 impl Pose {
@@ -37,10 +43,17 @@ impl Pose {
         self.locals.get(&i).copied().unwrap_or_else(rest)
     }
 
-    /// The morph weights of node `i`, if anything but its mesh gives them.
-    pub fn weights<'a>(&'a self, doc: &'a Document<'_>, i: u32) -> Option<&'a [f64]> {
+    /// The morph weights of node `i`: its own, or else those of its `mesh`.
+    pub fn weights<'a>(&'a self, doc: &'a Document<'_>, i: u32, mesh: u32) -> &'a [f64] {
         let rest = || doc.nodes[i as usize].weights.as_deref();
-        self.weights.get(&i).map(Vec::as_slice).or_else(rest)
+        let own = self.weights.get(&i).map(Vec::as_slice).or_else(rest);
+        own.or_else(|| self.mesh_weights.get(&mesh).map(Vec::as_slice))
+            .unwrap_or_else(|| doc.meshes.get(mesh as usize).map_or(&[], |m| &m.weights))
+    }
+
+    /// Whether node `i` is shown, as far as it is concerned itself.
+    pub fn visible(&self, doc: &Document<'_>, i: u32) -> bool {
+        self.visible.get(&i).copied().unwrap_or(doc.nodes[i as usize].visible)
     }
 
     /// The pose at `seconds` of the chosen animations.
@@ -58,12 +71,10 @@ impl Pose {
         }
         for (n, animation) in chosen {
             for (k, channel) in animation.channels.iter().enumerate() {
-                let pointer = || format!("/animations/{n}/channels/{k}");
-                let (Some(node), Some(path)) = (channel.node, channel.path) else { continue };
-                get(&doc.nodes, node, "node", || format!("{}/target/node", pointer()))?;
-                let keys = get(&animation.samplers, channel.sampler, "sampler", || {
-                    format!("{}/sampler", pointer())
-                })?;
+                let place = format!("/animations/{n}/channels/{k}");
+                let Some(property) = property(doc, channel, &place, warnings)? else { continue };
+                let keys =
+                    get(&animation.samplers, channel.sampler, "sampler", || format!("{place}/sampler"))?;
                 let at = || format!("/animations/{n}/samplers/{}", channel.sampler);
                 let input =
                     accessors.open(keys.input, "the keyframe time", &[Shape::Scalar], || at() + "/input")?;
@@ -71,15 +82,15 @@ impl Pose {
                     warnings.add(at() + "/input", "an animation without keyframes; ignored");
                     continue;
                 }
-                let track = Track { input: &input, seconds, interpolation: keys.interpolation };
-                let shape = match path {
-                    Path::Translation | Path::Scale => Shape::Vec3,
-                    Path::Rotation => Shape::Vec4,
-                    Path::Weights => Shape::Scalar,
-                };
+                let (mut interpolation, shape) = (keys.interpolation, shape_of(&property));
+                if matches!(property, Property::Visible(_)) {
+                    // There is nothing between yes and no.
+                    interpolation = Interpolation::Step;
+                }
+                let track = Track { input: &input, seconds, interpolation };
                 let output =
                     accessors.open(keys.output, "the keyframe value", &[shape], || at() + "/output")?;
-                pose.apply(doc, node, path, &track, &output, pointer, warnings)?;
+                pose.apply(doc, property, &track, &output, &place, warnings)?;
             }
         }
         Ok(pose)
@@ -88,41 +99,74 @@ impl Pose {
     fn apply(
         &mut self,
         doc: &Document<'_>,
+        property: Property<'_>,
+        track: &Track<'_>,
+        output: &Elements<'_>,
+        place: &str,
+        warnings: &mut Warnings,
+    ) -> Result<(), Fault> {
+        match property {
+            Property::Node(node, Path::Weights) => {
+                let targets = doc.nodes[node as usize].mesh.map_or(0, |m| targets(doc, m));
+                let weights = weights(track, output, targets, place, warnings)?;
+                self.weights.extend(weights.map(|w| (node, w)));
+            }
+            Property::Node(node, path) => return self.place(doc, node, path, track, output, place, warnings),
+            Property::NodeWeight(node, k) => {
+                let mesh = doc.nodes[node as usize].mesh.unwrap_or(u32::MAX);
+                let mut all = self.weights(doc, node, mesh).to_vec();
+                if one_weight(&mut all, k, targets(doc, mesh), track, output, place, warnings)? {
+                    self.weights.insert(node, all);
+                }
+            }
+            Property::MeshWeights(mesh, None) => {
+                let weights = weights(track, output, targets(doc, mesh), place, warnings)?;
+                self.mesh_weights.extend(weights.map(|w| (mesh, w)));
+            }
+            Property::MeshWeights(mesh, Some(k)) => {
+                let rest = || doc.meshes[mesh as usize].weights.clone();
+                let mut all = self.mesh_weights.get(&mesh).cloned().unwrap_or_else(rest);
+                if one_weight(&mut all, k, targets(doc, mesh), track, output, place, warnings)? {
+                    self.mesh_weights.insert(mesh, all);
+                }
+            }
+            Property::Visible(node) => {
+                track.check(output.len(), 1, || place.to_owned())?;
+                let [v] = track.sample::<1>(|k| output.floats(Some(&[k as u32]))[0]);
+                self.visible.insert(node, v != 0.0);
+            }
+            Property::Value(owner, path, count) => {
+                track.check(output.len(), 1, || place.to_owned())?;
+                let value = match count {
+                    1 => track.sample::<1>(|k| output.floats(Some(&[k as u32]))[0]).to_vec(),
+                    2 => track.sample::<2>(|k| output.floats(Some(&[k as u32]))[0]).to_vec(),
+                    3 => track.sample::<3>(|k| output.floats(Some(&[k as u32]))[0]).to_vec(),
+                    _ => track.sample::<4>(|k| output.floats(Some(&[k as u32]))[0]).to_vec(),
+                };
+                if value.iter().all(|v| v.is_finite()) {
+                    self.changes.add(owner, &path, value);
+                } else {
+                    not_finite(place, warnings);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Translation, rotation or scale of a node.
+    fn place(
+        &mut self,
+        doc: &Document<'_>,
         node: u32,
         path: Path,
         track: &Track<'_>,
         output: &Elements<'_>,
-        pointer: impl Fn() -> String,
+        place: &str,
         warnings: &mut Warnings,
     ) -> Result<(), Fault> {
-        let bad =
-            |w: &mut Warnings| w.add(pointer(), "the animation gives values that are not finite; ignored");
-        if path == Path::Weights {
-            let mesh = doc.nodes[node as usize].mesh.and_then(|m| doc.meshes.get(m as usize));
-            let targets = mesh.and_then(|m| m.primitives.first()).map_or(0, |p| p.targets.len());
-            if targets == 0 {
-                warnings
-                    .add(pointer(), "animates the morph weights of a node without morph targets; ignored");
-                return Ok(());
-            }
-            track.check(output.len(), targets, &pointer)?;
-            let w: Vec<f64> = (0..targets)
-                .map(|t| {
-                    let [v] = track.sample::<1>(|k| output.floats(Some(&[(k * targets + t) as u32]))[0]);
-                    v
-                })
-                .collect();
-            if w.iter().all(|v| v.is_finite()) {
-                self.weights.insert(node, w);
-            } else {
-                bad(warnings)
-            }
-            return Ok(());
-        }
-        track.check(output.len(), 1, &pointer)?;
+        track.check(output.len(), 1, || place.to_owned())?;
         let Local::Trs(mut t, mut q, mut s) = self.local(doc, node) else {
-            warnings
-                .add(pointer(), "animates a node that is placed by a matrix, which glTF forbids; ignored");
+            warnings.add(place, "animates a node that is placed by a matrix, which glTF forbids; ignored");
             return Ok(());
         };
         match path {
@@ -134,10 +178,114 @@ impl Pose {
         if t.iter().chain(&q).chain(&s).all(|v| v.is_finite()) {
             self.locals.insert(node, Local::Trs(t, q, s));
         } else {
-            bad(warnings);
+            not_finite(place, warnings);
         }
         Ok(())
     }
+}
+
+fn not_finite(place: &str, warnings: &mut Warnings) {
+    warnings.add(place, "the animation gives values that are not finite; ignored");
+}
+
+/// What a channel moves, if it is known and there; else a warning says what is not, or nothing where that has been said.
+fn property<'v>(
+    doc: &Document<'_>,
+    channel: &Channel<'v>,
+    place: &str,
+    warnings: &mut Warnings,
+) -> Result<Option<Property<'v>>, Fault> {
+    if let (Some(node), Some(path)) = (channel.node, channel.path) {
+        get(&doc.nodes, node, "node", || format!("{place}/target/node"))?;
+        return Ok(Some(Property::Node(node, path)));
+    }
+    let Some(pointer) = channel.pointer else { return Ok(None) };
+    let Some(property) = resolve(pointer) else {
+        let what = format!("animates `{}`, which is no property that is known; ignored", shorten(pointer));
+        warnings.add(place, what);
+        return Ok(None);
+    };
+    let there = match property {
+        Property::Node(i, _) | Property::NodeWeight(i, _) | Property::Visible(i) => {
+            (i as usize) < doc.nodes.len()
+        }
+        Property::MeshWeights(i, _) => (i as usize) < doc.meshes.len(),
+        Property::Value(Owner::Material(i), ..) => (i as usize) < doc.materials.len(),
+        Property::Value(Owner::Camera(i), ..) => (i as usize) < doc.cameras.len(),
+        Property::Value(Owner::Light(i), ..) => (i as usize) < doc.lights.len(),
+    };
+    if !there {
+        let what = format!("animates `{}`, which is not in the file; ignored", shorten(pointer));
+        warnings.add(place, what);
+    }
+    Ok(there.then_some(property))
+}
+
+/// The shape of a property's keyframe values.
+fn shape_of(property: &Property<'_>) -> Shape {
+    match property {
+        Property::Node(_, Path::Translation | Path::Scale) | Property::Value(_, _, 3) => Shape::Vec3,
+        Property::Node(_, Path::Rotation) | Property::Value(_, _, 4) => Shape::Vec4,
+        Property::Value(_, _, 2) => Shape::Vec2,
+        _ => Shape::Scalar,
+    }
+}
+
+/// Morph targets of a mesh.
+fn targets(doc: &Document<'_>, mesh: u32) -> usize {
+    let first = doc.meshes.get(mesh as usize).and_then(|m| m.primitives.first());
+    first.map_or(0, |p| p.targets.len())
+}
+
+/// The weights of all targets at the moment.
+fn weights(
+    track: &Track<'_>,
+    output: &Elements<'_>,
+    targets: usize,
+    place: &str,
+    warnings: &mut Warnings,
+) -> Result<Option<Vec<f64>>, Fault> {
+    if targets == 0 {
+        warnings.add(place, "animates the morph weights of a node without morph targets; ignored");
+        return Ok(None);
+    }
+    track.check(output.len(), targets, || place.to_owned())?;
+    let w: Vec<f64> = (0..targets)
+        .map(|t| {
+            let [v] = track.sample::<1>(|k| output.floats(Some(&[(k * targets + t) as u32]))[0]);
+            v
+        })
+        .collect();
+    if w.iter().all(|v| v.is_finite()) {
+        return Ok(Some(w));
+    }
+    not_finite(place, warnings);
+    Ok(None)
+}
+
+/// Puts the weight of target `k` at the moment among `all` weights; false if it cannot be.
+fn one_weight(
+    all: &mut Vec<f64>,
+    k: usize,
+    targets: usize,
+    track: &Track<'_>,
+    output: &Elements<'_>,
+    place: &str,
+    warnings: &mut Warnings,
+) -> Result<bool, Fault> {
+    if k >= targets {
+        warnings.add(place, format!("animates the weight of morph target {k} of {targets}; ignored"));
+        return Ok(false);
+    }
+    track.check(output.len(), 1, || place.to_owned())?;
+    let [v] = track.sample::<1>(|k| output.floats(Some(&[k as u32]))[0]);
+    if !v.is_finite() {
+        not_finite(place, warnings);
+        return Ok(false);
+    }
+    all.resize(targets, 0.0);
+    all[k] = v;
+    Ok(true)
 }
 
 /// From the first keyframe of the chosen animations to the last, seconds; `None` if there are none.
@@ -185,117 +333,5 @@ fn choose<'a>(
             Some(found) => Ok(vec![found]),
             None => Err(missing(format!("`{name}`"))),
         },
-    }
-}
-
-/// Keyframe times and the moment that is looked for in them.
-struct Track<'a> {
-    input: &'a Elements<'a>,
-    seconds: f64,
-    interpolation: Interpolation,
-}
-
-/// Between which keyframes a moment lies.
-struct Span {
-    /// The keyframe before.
-    k: usize,
-    /// How far on the way to the next one, 0..1; 0 at the ends of the animation.
-    t: f64,
-    /// Seconds between the two.
-    length: f64,
-}
-
-impl Track<'_> {
-    /// Checks that there are as many values as keyframes need.
-    fn check(&self, values: usize, per_key: usize, pointer: impl Fn() -> String) -> Result<(), Fault> {
-        let per_key = if self.interpolation == Interpolation::CubicSpline { 3 * per_key } else { per_key };
-        let needed = self.input.len().saturating_mul(per_key);
-        if values < needed {
-            let keys = self.input.len();
-            return Err(Fault::invalid(
-                format!("{}/sampler", pointer()),
-                format!("{values} values for {keys} keyframes that need {needed}"),
-            ));
-        }
-        Ok(())
-    }
-
-    fn time(&self, k: usize) -> f64 {
-        let [t] = self.input.floats::<1>(Some(&[k as u32]))[0];
-        t.into()
-    }
-
-    /// Finds the keyframes around the moment by bisection; outside their range the nearest one holds.
-    fn span(&self) -> Span {
-        let last = self.input.len() - 1;
-        let hold = |k| Span { k, t: 0.0, length: 0.0 };
-        let first = self.time(0);
-        // A time that is not a number holds the first keyframe.
-        if last == 0 || self.seconds.is_nan() || first.is_nan() || self.seconds <= first {
-            return hold(0);
-        }
-        if self.seconds >= self.time(last) {
-            return hold(last);
-        }
-        let (mut lo, mut hi) = (0, last);
-        while hi - lo > 1 {
-            let mid = lo + (hi - lo) / 2;
-            if self.time(mid) <= self.seconds { lo = mid } else { hi = mid }
-        }
-        let (a, b) = (self.time(lo), self.time(hi));
-        let length = b - a;
-        let t = (self.seconds - a) / length;
-        if length > 0.0 && (0.0..=1.0).contains(&t) { Span { k: lo, t, length } } else { hold(lo) }
-    }
-
-    /// The value at the moment; `value(k)` is output element `k`. In a cubic spline each keyframe has three: in-tangent,
-    /// value, out-tangent (glTF 2.0, appendix C.5).
-    fn sample<const N: usize>(&self, value: impl Fn(usize) -> [f32; N]) -> [f64; N] {
-        let s = self.span();
-        let wide = |v: [f32; N]| v.map(f64::from);
-        match self.interpolation {
-            Interpolation::Step => wide(value(s.k)),
-            Interpolation::Linear if s.t == 0.0 => wide(value(s.k)),
-            Interpolation::Linear => {
-                let (a, b) = (wide(value(s.k)), wide(value(s.k + 1)));
-                std::array::from_fn(|i| a[i] + (b[i] - a[i]) * s.t)
-            }
-            Interpolation::CubicSpline => self.cubic(&s, value),
-        }
-    }
-
-    fn cubic<const N: usize>(&self, s: &Span, value: impl Fn(usize) -> [f32; N]) -> [f64; N] {
-        let wide = |v: [f32; N]| v.map(f64::from);
-        let v0 = wide(value(3 * s.k + 1));
-        if s.t == 0.0 {
-            return v0;
-        }
-        let out0 = wide(value(3 * s.k + 2));
-        let (in1, v1) = (wide(value(3 * (s.k + 1))), wide(value(3 * (s.k + 1) + 1)));
-        let (t, t2, t3) = (s.t, s.t * s.t, s.t * s.t * s.t);
-        std::array::from_fn(|i| {
-            (2.0 * t3 - 3.0 * t2 + 1.0) * v0[i]
-                + s.length * (t3 - 2.0 * t2 + t) * out0[i]
-                + (-2.0 * t3 + 3.0 * t2) * v1[i]
-                + s.length * (t3 - t2) * in1[i]
-        })
-    }
-
-    /// [`Track::sample`] for unit quaternions: linear means along the shorter great arc (appendix C.4), and a spline is
-    /// normalised afterwards (C.5).
-    fn rotation(&self, value: impl Fn(usize) -> [f32; 4]) -> DQuat {
-        let s = self.span();
-        let unit = |v: [f64; 4]| {
-            if v.iter().all(|c| c.is_finite()) {
-                rotation(v, || {})
-            } else {
-                DQuat::from_array([f64::NAN; 4])
-            }
-        };
-        if self.interpolation == Interpolation::Linear && s.t > 0.0 {
-            let (a, b) = (unit(value(s.k).map(f64::from)), unit(value(s.k + 1).map(f64::from)));
-            return if a.is_nan() || b.is_nan() { DQuat::from_array([f64::NAN; 4]) } else { a.slerp(b, s.t) };
-        }
-        unit(self.sample(value))
     }
 }

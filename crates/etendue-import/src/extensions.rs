@@ -3,6 +3,7 @@
 use crate::error::Fault;
 use crate::warning::Warnings;
 
+pub(crate) const ANIMATION_POINTER: &str = "KHR_animation_pointer";
 pub(crate) const ANISOTROPY: &str = "KHR_materials_anisotropy";
 pub(crate) const CLEARCOAT: &str = "KHR_materials_clearcoat";
 pub(crate) const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
@@ -16,6 +17,7 @@ pub(crate) const IRIDESCENCE: &str = "KHR_materials_iridescence";
 pub(crate) const KHR_MESHOPT: &str = "KHR_meshopt_compression";
 pub(crate) const LIGHTS_PUNCTUAL: &str = "KHR_lights_punctual";
 pub(crate) const MESH_QUANTIZATION: &str = "KHR_mesh_quantization";
+pub(crate) const NODE_VISIBILITY: &str = "KHR_node_visibility";
 pub(crate) const SHEEN: &str = "KHR_materials_sheen";
 pub(crate) const SPECULAR: &str = "KHR_materials_specular";
 pub(crate) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
@@ -59,7 +61,7 @@ pub(crate) const ON_SURFACE: [&str; 9] = [
     TRANSMISSION,
     VOLUME,
 ];
-pub(crate) const ON_NODE: [&str; 2] = [LIGHTS_PUNCTUAL, GPU_INSTANCING];
+pub(crate) const ON_NODE: [&str; 3] = [LIGHTS_PUNCTUAL, GPU_INSTANCING, NODE_VISIBILITY];
 
 /// How far an extension is supported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -77,6 +79,7 @@ pub enum Support {
 
 /// What is done about each extension; every one that is not listed is unknown.
 const TABLE: &[(&str, Support)] = &[
+    (ANIMATION_POINTER, Support::Full),
     (ANISOTROPY, Support::Full),
     (CLEARCOAT, Support::Full),
     (DIFFUSE_TRANSMISSION, Support::Full),
@@ -90,6 +93,7 @@ const TABLE: &[(&str, Support)] = &[
     (KHR_MESHOPT, Support::Full),
     (LIGHTS_PUNCTUAL, Support::Full),
     (MESH_QUANTIZATION, Support::Full),
+    (NODE_VISIBILITY, Support::Full),
     (SHEEN, Support::Full),
     (SPECULAR, Support::Full),
     (SPECULAR_GLOSSINESS, Support::Full),
@@ -100,8 +104,6 @@ const TABLE: &[(&str, Support)] = &[
     (UNLIT, Support::Full),
     (VARIANTS, Support::Full),
     (VOLUME, Support::Full),
-    ("KHR_animation_pointer", Support::Ignored),
-    ("KHR_node_visibility", Support::Ignored),
     ("KHR_xmp", Support::Ignored),
     ("KHR_xmp_json_ld", Support::Ignored),
     ("MSFT_texture_dds", Support::Refused),

@@ -3,6 +3,7 @@
 use crate::accessor::Accessors;
 use crate::animation::{AnimationChoice, Pose};
 use crate::buffers::Buffers;
+use crate::changed::Changed;
 use crate::document::Document;
 use crate::draco;
 use crate::error::Fault;
@@ -55,8 +56,8 @@ impl Text {
 pub(crate) struct Gltf<'f> {
     name: &'f str,
     folder: Option<&'f Path>,
+    text: &'f Text,
     doc: Document<'f>,
-    json_bytes: u64,
     is_glb: bool,
     bytes: u64,
     hierarchy: Hierarchy,
@@ -114,8 +115,8 @@ impl<'f> Gltf<'f> {
         Ok(Self {
             name,
             folder,
+            text,
             doc,
-            json_bytes: text.bytes,
             is_glb: parts.is_glb,
             bytes: bytes.len() as u64,
             hierarchy,
@@ -165,9 +166,13 @@ impl<'f> Gltf<'f> {
             .collect();
         let globals = self.hierarchy.globals(&locals);
 
-        let mut plan = Plan::new(accessors, &pose, &globals, self.occlusion, self.budget.clone(), warnings);
+        let objects = pose.changes.objects(&self.text.tree, &mut warnings);
+        let changed = Changed::read(&objects)?;
+        let hidden = self.hierarchy.hidden(|i| pose.visible(doc, i));
+        let budget = self.budget.clone();
+        let mut plan = Plan::new(accessors, &pose, &changed, &globals, self.occlusion, budget, warnings);
         for &i in &self.shown {
-            plan.node(i)?;
+            plan.node(i, hidden[i as usize])?;
         }
         let joints = joint_matrices(&mut plan, &globals, accessors)?;
         let used = self.bytes + self.buffers.external + plan.budget.booked();
@@ -210,7 +215,7 @@ impl<'f> Gltf<'f> {
         info.file = self.name.to_owned();
         info.format = if self.is_glb { "GLB" } else { "glTF" };
         info.bytes = self.bytes;
-        info.sizes = Sizes::of(doc, self.json_bytes);
+        info.sizes = Sizes::of(doc, self.text.bytes);
         info.unusual = unusual::of_document(doc);
         info.add_scene(&scene, self.shown.len(), &textures.images, &images, &self.buffers);
         let image_files = image_files(&images, self.keep_files);

@@ -16,7 +16,7 @@
 //! 1. `glb` splits the container, `json` and `document` read the JSON into typed values; faults carry a JSON pointer.
 //! 2. `nodes` checks that the hierarchy is a forest; `buffers` loads the bytes and decodes compressed views
 //!    ([`meshopt`]); [`draco`] decodes compressed primitives; `accessor` opens typed arrays in them, each checked to lie within its buffer before anything is read.
-//! 3. `animation` evaluates the pose; `plan` walks the visible nodes and notes which meshes have to be built, in which
+//! 3. `animation` evaluates the pose (`keyframes`; `pointer` and `changed` for values that are not a node's place); `plan` walks the visible nodes and notes which meshes have to be built, in which
 //!    state of morphing and skinning, for which materials (the own one and those of variants: `material`, `surface`), and
 //!    where they stand. Equal meshes are built once. Here
 //!    everything is booked against the [`Limits`].
@@ -37,6 +37,7 @@ mod accessor;
 mod animation;
 mod assemble;
 mod buffers;
+mod changed;
 mod clean;
 mod document;
 mod door;
@@ -49,6 +50,7 @@ mod gltf;
 mod import;
 mod info;
 mod json;
+mod keyframes;
 mod limits;
 mod material;
 pub mod meshopt;
@@ -58,6 +60,7 @@ mod obj;
 mod place;
 mod plan;
 mod ply;
+mod pointer;
 mod polygon;
 mod progress;
 pub mod scene_file;

@@ -72,6 +72,16 @@ impl Hierarchy {
         out
     }
 
+    /// Per node whether it or one above it is not to be seen.
+    pub fn hidden(&self, visible: impl Fn(u32) -> bool) -> Vec<bool> {
+        let mut out = vec![false; self.parent.len()];
+        for &i in &self.order {
+            let above = self.parent[i as usize].is_some_and(|p| out[p as usize]);
+            out[i as usize] = above || !visible(i);
+        }
+        out
+    }
+
     /// The nodes that the file's default scene shows, parents before children, in the order of the file.
     pub fn shown(&self, doc: &Document<'_>, warnings: &mut Warnings) -> Result<Vec<u32>, Fault> {
         let scene = match doc.scene {

@@ -2,6 +2,7 @@
 
 use crate::accessor::{Accessors, Elements};
 use crate::animation::Pose;
+use crate::changed::Changed;
 use crate::document::{Component, Mode, Node, Primitive, Shape, get};
 use crate::error::Fault;
 use crate::geometry::{Job, MeshKey, SkinKey, TangentSpace};
@@ -23,6 +24,7 @@ const MAX_UV_SETS: u32 = 16;
 pub(crate) struct Plan<'a> {
     accessors: Accessors<'a>,
     pose: &'a Pose,
+    changed: &'a Changed<'a>,
     globals: &'a [DAffine3],
     occlusion: bool,
     pub jobs: Vec<Job>,
@@ -44,6 +46,7 @@ impl<'a> Plan<'a> {
     pub fn new(
         accessors: Accessors<'a>,
         pose: &'a Pose,
+        changed: &'a Changed<'a>,
         globals: &'a [DAffine3],
         occlusion: bool,
         budget: Budget,
@@ -52,6 +55,7 @@ impl<'a> Plan<'a> {
         Self {
             accessors,
             pose,
+            changed,
             globals,
             occlusion,
             jobs: Vec::new(),
@@ -73,20 +77,25 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Adds what stands at node `i`.
-    pub fn node(&mut self, i: u32) -> Result<(), Fault> {
+    /// Adds what stands at node `i`; if it is `hidden`, only a camera, which visibility does not affect.
+    pub fn node(&mut self, i: u32, hidden: bool) -> Result<(), Fault> {
         let doc = self.accessors.doc;
         let node = &doc.nodes[i as usize];
         let m = &self.globals[i as usize];
         if let Some(c) = node.camera {
             let camera = get(&doc.cameras, c, "camera", || format!("/nodes/{i}/camera"))?;
+            let camera = self.changed.cameras.get(&c).unwrap_or(camera);
             self.budget.bytes(camera.name.len() as u64, || format!("/nodes/{i}/camera"))?;
             let made = place::camera(camera, &format!("/cameras/{c}"), node.name, m, &mut self.warnings);
             self.cameras.extend(made.map(|camera| (c, camera)));
         }
+        if hidden {
+            return Ok(());
+        }
         if let Some(l) = node.light {
             let from = || format!("/nodes/{i}/extensions/KHR_lights_punctual/light");
             let light = get(&doc.lights, l, "light", from)?;
+            let light = self.changed.lights.get(&l).unwrap_or(light);
             self.budget.bytes(light.name.len() as u64, from)?;
             let pointer = format!("/extensions/KHR_lights_punctual/lights/{l}");
             self.lights.extend(place::light(light, &pointer, node.name, m, &mut self.warnings));
@@ -100,7 +109,7 @@ impl<'a> Plan<'a> {
     fn mesh(&mut self, i: u32, node: &Node<'a>, index: u32) -> Result<(), Fault> {
         let doc = self.accessors.doc;
         let mesh = get(&doc.meshes, index, "mesh", || format!("/nodes/{i}/mesh"))?;
-        let weights = self.pose.weights(doc, i).unwrap_or(&mesh.weights);
+        let weights = self.pose.weights(doc, i, index);
         let placements = self.placements(i, node)?;
         for (n, p) in mesh.primitives.iter().enumerate() {
             let pointer = format!("/meshes/{index}/primitives/{n}");
@@ -189,6 +198,7 @@ impl<'a> Plan<'a> {
             return Ok(known);
         }
         let m = get(&self.accessors.doc.materials, index, "material", from)?;
+        let m = self.changed.materials.get(&index).unwrap_or(m);
         let made = material::convert(index, m, &mut self.textures, self.occlusion, &mut self.warnings)?;
         let number = self.materials.len() as u32;
         self.materials.push(made);

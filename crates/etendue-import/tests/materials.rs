@@ -101,26 +101,20 @@ fn a_factor_of_the_wrong_type_is_ignored_and_named() {
 
 #[test]
 fn unsupported_extensions_are_named_once_and_counted() {
-    let mut m = with(json!({"extensions": {"KHR_node_visibility": {}}}));
-    m.push("materials", json!({"extensions": {"KHR_node_visibility": {}}}));
-    m.json["extensionsUsed"] = json!(["KHR_node_visibility", "KHR_materials_ior", "EXT_what"]);
+    let mut m = with(json!({"extensions": {"KHR_xmp": {}}}));
+    m.push("materials", json!({"extensions": {"KHR_xmp": {}}}));
+    m.json["extensionsUsed"] = json!(["KHR_xmp", "KHR_materials_ior", "EXT_what"]);
     let i = m.import();
     let lines: Vec<String> = i.warnings.iter().map(ToString::to_string).collect();
     assert_eq!(
         lines,
-        [
-            "/materials/0/extensions/KHR_node_visibility: KHR_node_visibility is not supported yet; ignored (and 1 more)"
-        ]
+        ["/materials/0/extensions/KHR_xmp: KHR_xmp is not supported yet; ignored (and 1 more)"]
     );
     let e = &i.info.extensions;
     use etendue_import::Support;
     assert_eq!(
         e.iter().map(|e| (e.name.as_str(), e.support)).collect::<Vec<_>>(),
-        [
-            ("KHR_node_visibility", Some(Support::Ignored)),
-            ("KHR_materials_ior", Some(Support::Full)),
-            ("EXT_what", None)
-        ]
+        [("KHR_xmp", Some(Support::Ignored)), ("KHR_materials_ior", Some(Support::Full)), ("EXT_what", None)]
     );
 }
 
@@ -133,10 +127,10 @@ fn required_extensions() {
             m.error().contains(&format!("/extensionsRequired: requires {name}, which is not supported yet"))
         );
     }
-    m.json["extensionsRequired"] = json!(["KHR_materials_ior", "KHR_animation_pointer"]);
+    m.json["extensionsRequired"] = json!(["KHR_materials_ior", "KHR_xmp_json_ld"]);
     let i = m.import();
     assert_eq!(i.warnings.len(), 1);
-    assert!(warned(&i, "KHR_animation_pointer is required but not supported yet"));
+    assert!(warned(&i, "KHR_xmp_json_ld is required but not supported yet"));
 }
 
 #[test]

@@ -17,7 +17,7 @@ pub(crate) use asset::{Asset, Scene};
 pub(crate) use data::{Accessor, Buffer, BufferView, Component, Compressed, Shape, Sparse};
 pub(crate) use geometry::{Mesh, Mode, Primitive, Target};
 pub(crate) use material::{Image, Material, Sampler, Texture, TextureInfo};
-pub(crate) use motion::{Animation, Interpolation, Path, Skin};
+pub(crate) use motion::{Animation, Channel, Interpolation, Path, Skin};
 pub(crate) use node::{Camera, Light, LightShape, Local, Node, Projection};
 pub(crate) use surface::Surface;
 pub(crate) use variants::Mapping;

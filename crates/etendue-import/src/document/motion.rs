@@ -2,6 +2,7 @@
 
 use super::name;
 use crate::error::Fault;
+use crate::extensions as ext;
 use crate::json::Reader;
 use serde_json::Value;
 
@@ -39,11 +40,13 @@ pub(crate) enum Interpolation {
     CubicSpline,
 }
 
-/// One moved property of one node; `None` as node or path: nothing that is known here.
-pub(crate) struct Channel {
+/// One moved property: of a node, or what a JSON pointer leads to. `None` as node, path and pointer: nothing that is known here.
+pub(crate) struct Channel<'v> {
     pub sampler: u32,
     pub node: Option<u32>,
     pub path: Option<Path>,
+    /// `KHR_animation_pointer`.
+    pub pointer: Option<&'v str>,
 }
 
 /// Keyframes.
@@ -56,7 +59,7 @@ pub(crate) struct Keyframes {
 /// A clip.
 pub(crate) struct Animation<'v> {
     pub name: &'v str,
-    pub channels: Vec<Channel>,
+    pub channels: Vec<Channel<'v>>,
     pub samplers: Vec<Keyframes>,
 }
 
@@ -72,13 +75,15 @@ impl<'v> Animation<'v> {
     }
 }
 
-impl Channel {
-    fn read<'v>(r: &mut Reader<'v>, v: &'v Value) -> Result<Self, Fault> {
+impl<'v> Channel<'v> {
+    fn read(r: &mut Reader<'v>, v: &'v Value) -> Result<Self, Fault> {
         let o = r.object(v)?;
         let sampler = r.req(o, "sampler", Reader::index)?;
-        let (node, path) = r.req(o, "target", |r, v| {
+        let (node, path, pointer) = r.req(o, "target", |r, v| {
             let o = r.object(v)?;
-            r.other_extensions(o, &[]);
+            r.other_extensions(o, &[ext::ANIMATION_POINTER]);
+            let pointer =
+                r.extension(o, ext::ANIMATION_POINTER, |r, o| r.req(o, "pointer", Reader::string))?;
             let node = r.opt(o, "node", Reader::index)?;
             let path = r.req(o, "path", |r, v| {
                 Ok(match r.string(v)? {
@@ -86,17 +91,22 @@ impl Channel {
                     "rotation" => Some(Path::Rotation),
                     "scale" => Some(Path::Scale),
                     "weights" => Some(Path::Weights),
-                    // Named by the warning about KHR_animation_pointer just before.
-                    "pointer" => None,
+                    "pointer" => {
+                        if pointer.is_none() {
+                            r.warn("an animation of a pointer without a pointer; ignored");
+                        }
+                        None
+                    }
                     other => {
                         r.warn(format!("animations of `{other}` are not known; ignored"));
                         None
                     }
                 })
             })?;
-            Ok((node, path))
+            let pointer = pointer.filter(|_| path.is_none());
+            Ok((node, path, pointer))
         })?;
-        Ok(Self { sampler, node, path })
+        Ok(Self { sampler, node, path, pointer })
     }
 }
 

@@ -32,6 +32,8 @@ pub(crate) struct Node<'v> {
     pub weights: Option<Vec<f64>>,
     /// `None` is the identity.
     pub local: Option<Box<Local>>,
+    /// `KHR_node_visibility`: whether it is shown, with all below it.
+    pub visible: bool,
     /// `EXT_mesh_gpu_instancing`.
     pub instancing: Option<Attributes<'v>>,
 }
@@ -68,6 +70,10 @@ impl<'v> Node<'v> {
             light: r.extension(o, ext::LIGHTS_PUNCTUAL, |r, o| r.req(o, "light", Reader::index))?,
             weights: r.opt(o, "weights", |r, v| r.array(v, Reader::number))?,
             local,
+            visible: r
+                .extension(o, ext::NODE_VISIBILITY, |r, o| Ok(r.soft(o, "visible", Reader::boolean)))?
+                .flatten()
+                .unwrap_or(true),
             instancing: r.extension(o, ext::GPU_INSTANCING, |r, o| {
                 r.req(o, "attributes", |r, v| r.entries(v, Reader::index))
             })?,
