@@ -51,10 +51,10 @@ pub fn picture_id(of: &Scene, camera: &Camera, settings: &Settings) -> String {
     picture(scene(of, &images, sky), camera, settings)
 }
 
-/// The name of the picture of what moves as `digest` says, from `first` on.
-pub(crate) fn moving_id(first: &Moment, shutter: &Shutter, settings: &Settings, digest: u32) -> String {
+/// The name of the picture of what moves as `digest` says, from the first to the last of the `ends`.
+pub(crate) fn moving_id(ends: &[Moment; 2], shutter: &Shutter, settings: &Settings, digest: u32) -> String {
     let mut h = Hasher::new();
-    h.update(picture_id(&first.scene, &first.camera, settings).as_bytes());
+    ends.iter().for_each(|m| h.update(picture_id(&m.scene, &m.camera, settings).as_bytes()));
     h.update(&digest.to_le_bytes());
     let scene = h.clone().finalize();
     h.update(b"shutter");

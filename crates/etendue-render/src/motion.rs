@@ -75,13 +75,13 @@ where
     E: From<InvalidScene>,
 {
     /// A renderer of what `at` says while the shutter is open. `digest` names how things move: [`Self::picture_id`] depends on it,
-    /// on the moment at which the shutter opens, and on the shutter.
+    /// on the moments at which the shutter opens and closes, and on the shutter.
     ///
     /// # Errors
     /// What `at` returns.
     pub fn new(at: M, shutter: Shutter, settings: Settings, digest: u32) -> Result<Self, E> {
-        let first = at(shutter.open)?;
-        let id = crate::fingerprint::moving_id(&first, &shutter, &settings, digest);
+        let ends = [at(shutter.open)?, at(shutter.close)?];
+        let id = crate::fingerprint::moving_id(&ends, &shutter, &settings, digest);
         Ok(Self { at, shutter, settings, id, world: None })
     }
 

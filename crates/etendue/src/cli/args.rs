@@ -6,6 +6,7 @@ use super::compare_args::CompareArgs;
 use super::lab_args::LabArgs;
 use super::limit_args::LimitArgs;
 use super::model_args::{CheckArgs, ConvertArgs, InfoArgs, NewArgs};
+use super::motion_args::MotionArgs;
 use super::sheet_args::SheetArgs;
 use super::sky_args::SkyArgs;
 use super::values::{
@@ -76,6 +77,9 @@ pub(crate) struct RenderArgs {
     /// Evaluate the model's animation at this time instead of at rest
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = finite, help_heading = "Scene")]
     pub at: Option<f32>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub motion: MotionArgs,
     /// One of the model's sets of materials, by name (`etendue info` lists them) [default: the model's own]
     #[arg(long, value_name = "NAME", help_heading = "Scene")]
     pub variant: Option<String>,

@@ -106,6 +106,17 @@ pub enum CliError {
         /// The film so far.
         film: PathBuf,
     },
+    /// The user stopped a run over frames.
+    #[error("interrupted at frame {frame} after {done}; {} is written", film.display())]
+    #[diagnostic(help("the same command goes on where it stopped"))]
+    InterruptedFrames {
+        /// The frame's number.
+        frame: u32,
+        /// How far it got.
+        done: String,
+        /// The film so far.
+        film: PathBuf,
+    },
     /// The scene contradicts itself: a defect of the importer.
     #[error("the scene is inconsistent: {0}")]
     Scene(#[from] crate::scene::InvalidScene),

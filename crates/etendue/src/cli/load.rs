@@ -8,8 +8,8 @@ use super::{CliError, note_line};
 use crate::builtin;
 use crate::image::{SkyLayout, read_environment_as};
 use crate::import::scene_file::is_scene_file;
-use crate::import::{ImportOptions, Imported, import};
-use crate::scene::{Camera, Environment, Projection, Scene};
+use crate::import::{AnimationChoice, ImportOptions, Imported, import};
+use crate::scene::{Bounds, Camera, Environment, Projection, Scene};
 use glam::Vec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -23,16 +23,22 @@ pub(crate) fn start_threads(args: &RenderArgs) -> Result<(), CliError> {
         .map_err(|e| CliError::Other(format!("cannot start {n} threads: {e}")))
 }
 
+/// How the model of the arguments is to be imported.
+pub(crate) fn options(args: &RenderArgs) -> ImportOptions {
+    let animation = match args.motion.animation.as_deref() {
+        None => AnimationChoice::First,
+        Some("all") => AnimationChoice::All,
+        Some(a) => a.parse().map_or_else(|_| AnimationChoice::Name(a.into()), AnimationChoice::Index),
+    };
+    let limits = args.limits.limits();
+    ImportOptions { at: args.at, animation, limits, ..ImportOptions::default() }
+}
+
 /// The model under its sky, with the materials that the arguments ask for; and the warnings, which are printed unless nothing is to
 /// be.
 pub(crate) fn scene(args: &RenderArgs) -> Result<(Scene, Vec<String>), CliError> {
     let loading = Loading::new(!args.quiet && !args.json);
-    let options = ImportOptions {
-        at: args.at,
-        limits: args.limits.limits(),
-        progress: Some(loading.progress()),
-        ..ImportOptions::default()
-    };
+    let options = ImportOptions { progress: Some(loading.progress()), ..options(args) };
     let imported = read(args.model.as_deref(), &options, args.variant.as_deref())?;
     drop(loading);
     let (environment, notes) = environment(args)?;
@@ -40,7 +46,15 @@ pub(crate) fn scene(args: &RenderArgs) -> Result<(Scene, Vec<String>), CliError>
     if !args.quiet {
         warnings.iter().for_each(|w| note_line(&format!("warning: {w}")));
     }
-    let mut scene = imported.scene;
+    Ok((dress(imported.scene, environment, args)?, warnings))
+}
+
+/// The scene of a model under a sky, with the materials that the arguments ask for.
+pub(crate) fn dress(
+    mut scene: Scene,
+    environment: Environment,
+    args: &RenderArgs,
+) -> Result<Scene, CliError> {
     scene.environment = environment;
     if let Some(name) = &args.variant {
         scene.select_variant(name).map_err(CliError::Usage)?;
@@ -51,7 +65,7 @@ pub(crate) fn scene(args: &RenderArgs) -> Result<(Scene, Vec<String>), CliError>
     for text in &args.material {
         text.parse::<Replacement>()?.apply(&mut scene)?;
     }
-    Ok((scene, warnings))
+    Ok(scene)
 }
 
 /// The model that the arguments name.
@@ -128,10 +142,24 @@ pub(crate) fn sky_as(
 /// Default vertical field of view, degrees.
 const VFOV: f32 = 35.0;
 
+/// Vertical field of view of cameras that are not the file's, radians.
+pub(crate) fn vfov(args: &RenderArgs) -> f32 {
+    args.vfov.unwrap_or(VFOV).to_radians()
+}
+
 /// Picture size and camera.
 pub(crate) fn camera(args: &RenderArgs, scene: &Scene) -> Result<(Camera, (u32, u32)), CliError> {
+    camera_of(args, &scene.cameras, |aspect, vfov| Ok((scene.bounds(), Camera::framing(scene, aspect, vfov))))
+}
+
+/// As [`camera`], for who knows the box around the model and the camera that frames it, of a picture's aspect and field of view.
+pub(crate) fn camera_of(
+    args: &RenderArgs,
+    cameras: &[Camera],
+    whole: impl Fn(f32, f32) -> Result<(Bounds, Camera), CliError>,
+) -> Result<(Camera, (u32, u32)), CliError> {
     let mut camera = match &args.camera {
-        Some(which) => Some(file_camera(which, &scene.cameras)?),
+        Some(which) => Some(file_camera(which, cameras)?),
         None => None,
     };
     let aspect = camera.as_ref().and_then(|c| c.aspect).filter(|a| a.is_finite() && *a > 0.0);
@@ -151,15 +179,18 @@ pub(crate) fn camera(args: &RenderArgs, scene: &Scene) -> Result<(Camera, (u32, 
     if let Some(c) = camera {
         return Ok((c, size));
     }
-    let vfov = args.vfov.unwrap_or(VFOV).to_radians();
+    let vfov = vfov(args);
+    let aspect = size.0 as f32 / size.1 as f32;
     let camera = match args.eye {
-        None => Camera::framing(scene, size.0 as f32 / size.1 as f32, vfov),
+        None => whole(aspect, vfov)?.1,
         Some(eye) => {
-            let bounds = scene.bounds();
-            let target = args.target.map_or_else(
-                || if bounds.is_empty() { Vec3::ZERO } else { bounds.center().into() },
-                |t| Vec3::from(t.0),
-            );
+            let target = match args.target {
+                Some(t) => Vec3::from(t.0),
+                None => {
+                    let (bounds, _) = whole(aspect, vfov)?;
+                    if bounds.is_empty() { Vec3::ZERO } else { bounds.center().into() }
+                }
+            };
             let eye = Vec3::from(eye.0);
             let Some(view) = (target - eye).try_normalize() else {
                 return Err(CliError::Usage("--eye and --target are the same point".into()));

@@ -102,6 +102,10 @@ pub(crate) fn unwritten(path: &Path, e: ImageError) -> CliError {
 
 /// Note of a film: the arguments that rendered it, as JSON.
 pub(crate) const ARGUMENTS: &str = "arguments";
+/// Note of a film and entry of a picture's metadata: the frame's number.
+pub(crate) const FRAME: &str = "Frame";
+/// The same: seconds into the animation.
+pub(crate) const TIME: &str = "Time";
 /// Note of a film: names of objects and materials, as JSON.
 pub(crate) const NAMES: &str = "names";
 

@@ -39,7 +39,7 @@ impl Progress {
     ) -> Self {
         let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(1000), target);
-        if let Ok(style) = ProgressStyle::with_template("{percent:>3}%  {msg}  {wide_bar}") {
+        if let Ok(style) = ProgressStyle::with_template("{prefix}{percent:>3}%  {msg}  {wide_bar}") {
             bar.set_style(style.progress_chars("━╸ "));
         }
         let state = Arc::new(State {
@@ -62,6 +62,13 @@ impl Progress {
             })
         });
         Self { bar, state, ticker }
+    }
+
+    /// Says what the bar is about, if there are several.
+    pub fn label(&self, text: &str) {
+        if !text.is_empty() {
+            self.bar.set_prefix(format!("{text}  "));
+        }
     }
 
     /// Tells the bar the newest estimate of the relative error.

@@ -9,7 +9,7 @@ use crate::image::{Development, Metadata, PictureFormat, WriteOptions, write_lay
 use crate::realtime::passes::{Pass, PassSet};
 use crate::realtime::{Choices, Frame, Lighting, Preset, Twin, TwinSettings};
 use crate::render::{Counters, World};
-use crate::scene::{Scene, Substitute};
+use crate::scene::{Camera, Scene, Substitute};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 const DEFAULT_SAMPLES: u32 = 16;
 
 /// Options that are about tracing paths, and why they mean nothing here.
-const OF_PATHS: [(&str, &str); 11] = [
+const OF_PATHS: [(&str, &str); 12] = [
     ("noise", "the picture has no noise that more samples would take away"),
     ("time", "it is done when it is done"),
     ("samples", "there are no films to add; --spp sets the samples per pixel"),
@@ -30,63 +30,135 @@ const OF_PATHS: [(&str, &str); 11] = [
     ("film", "there is no film"),
     ("checkpoint", "there is no film"),
     ("resume", "there is no film"),
+    ("shutter", "it draws one moment"),
     ("watch", "the picture is drawn once"),
 ];
 
-pub(crate) fn run(mut args: RenderArgs) -> Result<(), CliError> {
+pub(crate) fn run(args: RenderArgs) -> Result<(), CliError> {
     let started = Instant::now();
-    refuse(&args)?;
-    let (choices, preset) = choices(&args)?;
-    if let (Some(curve), false) = (preset.tone_curve(), args.says("curve")) {
-        args.develop.curve = curve;
-    }
-    let passes = PassSet::parse(&args.passes).map_err(CliError::Usage)?;
+    let mut artist = Artist::new(args)?;
+    let args = artist.args.clone();
     let output = target::output_path(&args);
-    let layered = target::format(&output)? == PictureFormat::Exr;
-    target::check_writable(&output)?;
-    let files: Vec<(Pass, PathBuf)> =
-        if layered { Vec::new() } else { passes.iter().map(|p| (p, beside(&output, p))).collect() };
-    files.iter().try_for_each(|(_, path)| target::check_writable(path))?;
+    artist.check_output(&output)?;
     load::start_threads(&args)?;
-
     let (scene, warnings) = load::scene(&args)?;
-    only_gltf(&scene)?;
+    let (camera, size) = load::camera(&args, &scene)?;
     let triangles = scene.triangle_count();
-    let (camera, (width, height)) = load::camera(&args, &scene)?;
-    check_size(width, height, passes)?;
     let loaded = started.elapsed();
     let world = World::new(scene)?;
-    let built = started.elapsed();
-    let visible = !args.quiet && !args.json;
-    let baking = spinner("integrating the sky", visible);
-    let lighting =
-        Lighting::new(world.scene(), &choices).map_err(|e| CliError::Other(format!("the sky: {e}")))?;
-    baking.finish_and_clear();
-    let baked = started.elapsed();
+    let what = Subject { world: &world, camera: &camera, size, triangles, warnings };
+    artist.draw(&what, &output, "", &[], started, loaded)
+}
 
-    let settings = TwinSettings {
-        width,
-        height,
-        samples: args.spp.unwrap_or(DEFAULT_SAMPLES),
-        filter: args.filter,
-        seed: args.seed,
-        sky_visible: !args.transparent,
-        passes,
-    };
-    let samples = settings.samples;
-    let counters = Arc::new(Counters::default());
-    let pixels = u64::from(width) * u64::from(height);
-    let progress = Progress::new(counters.clone(), pixels, u64::from(samples), 0, None, visible);
-    let frame = Twin::new(&world, &camera, &lighting, choices, settings).render(&counters);
-    progress.finish();
-    let drawn = started.elapsed();
+/// What is drawn.
+pub(crate) struct Subject<'a> {
+    pub world: &'a World,
+    pub camera: &'a Camera,
+    pub size: (u32, u32),
+    pub triangles: u64,
+    pub warnings: Vec<String>,
+}
 
-    let metadata = metadata(&args, &choices, samples);
-    write(&output, layered, &files, &frame, &args, &metadata)?;
-    let times = Times { loaded, built, baked, drawn, written: started.elapsed() };
-    let facts = Facts { output: &output, files: &files, frame: &frame, samples, triangles, warnings };
-    report(&args, &choices, &facts, &counters, &times);
-    Ok(())
+/// Draws pictures under one sky with one set of choices.
+pub(crate) struct Artist {
+    args: RenderArgs,
+    choices: Choices,
+    passes: PassSet,
+    /// Of the first picture; only its lights change.
+    lighting: Option<Lighting>,
+}
+
+impl Artist {
+    pub fn new(mut args: RenderArgs) -> Result<Self, CliError> {
+        refuse(&args)?;
+        let (choices, preset) = choices(&args)?;
+        if let (Some(curve), false) = (preset.tone_curve(), args.says("curve")) {
+            args.develop.curve = curve;
+        }
+        let passes = PassSet::parse(&args.passes).map_err(CliError::Usage)?;
+        Ok(Self { args, choices, passes, lighting: None })
+    }
+
+    /// All that the arguments say of how pictures are drawn.
+    pub fn style(&self) -> String {
+        format!("{} {:?} {:?}", self.choices, self.args.spp, self.args.develop)
+    }
+
+    /// The files of passes beside the picture; none if they are its layers.
+    fn files(&self, output: &Path) -> Result<Vec<(Pass, PathBuf)>, CliError> {
+        let layered = target::format(output)? == PictureFormat::Exr;
+        Ok(if layered { Vec::new() } else { self.passes.iter().map(|p| (p, beside(output, p))).collect() })
+    }
+
+    /// Finds out whether the picture can be written.
+    pub fn check_output(&self, output: &Path) -> Result<(), CliError> {
+        let files = self.files(output)?;
+        target::check_writable(output)?;
+        files.iter().try_for_each(|(_, path)| target::check_writable(path))
+    }
+
+    /// Draws and writes a picture, and reports. `notes` go into its metadata.
+    pub fn draw(
+        &mut self,
+        what: &Subject<'_>,
+        output: &Path,
+        label: &str,
+        notes: &[(&'static str, String)],
+        started: Instant,
+        loaded: Duration,
+    ) -> Result<(), CliError> {
+        let (args, passes) = (&self.args, self.passes);
+        let (width, height) = what.size;
+        only_gltf(what.world.scene())?;
+        check_size(width, height, passes)?;
+        let built = started.elapsed();
+        let visible = !args.quiet && !args.json;
+        let lighting = match self.lighting.take() {
+            Some(known) => known.with_lights_of(what.world.scene()),
+            None => {
+                let baking = spinner("integrating the sky", visible);
+                let made = Lighting::new(what.world.scene(), &self.choices);
+                baking.finish_and_clear();
+                made.map_err(|e| CliError::Other(format!("the sky: {e}")))?
+            }
+        };
+        let baked = started.elapsed();
+
+        let settings = TwinSettings {
+            width,
+            height,
+            samples: args.spp.unwrap_or(DEFAULT_SAMPLES),
+            filter: args.filter,
+            seed: args.seed,
+            sky_visible: !args.transparent,
+            passes,
+        };
+        let samples = settings.samples;
+        let counters = Arc::new(Counters::default());
+        let pixels = u64::from(width) * u64::from(height);
+        let progress = Progress::new(counters.clone(), pixels, u64::from(samples), 0, None, visible);
+        progress.label(label);
+        let frame = Twin::new(what.world, what.camera, &lighting, self.choices, settings).render(&counters);
+        progress.finish();
+        let drawn = started.elapsed();
+
+        let mut metadata = metadata(args, &self.choices, samples);
+        notes.iter().for_each(|(k, v)| metadata.set(*k, v.clone()));
+        let files = self.files(output)?;
+        write(output, &files, &frame, args, &metadata)?;
+        let times = Times { loaded, built, baked, drawn, written: started.elapsed() };
+        let facts = Facts {
+            output,
+            files: &files,
+            frame: &frame,
+            samples,
+            triangles: what.triangles,
+            warnings: &what.warnings,
+        };
+        report(args, &self.choices, &facts, &counters, &times);
+        self.lighting = Some(lighting);
+        Ok(())
+    }
 }
 
 /// An error for each option that would be ignored.
@@ -170,7 +242,6 @@ fn metadata(args: &RenderArgs, choices: &Choices, samples: u32) -> Metadata {
 /// Writes the picture, and the passes as its layers or beside it.
 fn write(
     output: &Path,
-    layered: bool,
     files: &[(Pass, PathBuf)],
     frame: &Frame,
     args: &RenderArgs,
@@ -178,7 +249,7 @@ fn write(
 ) -> Result<(), CliError> {
     let develop: &DevelopArgs = &args.develop;
     let development = develop.development();
-    if layered && !frame.passes.is_empty() {
+    if target::format(output)? == PictureFormat::Exr && !frame.passes.is_empty() {
         let half = develop.bits != Some(32);
         let layers = frame.layers(args.transparent, &development);
         return write_layers_exr(output, &layers, (frame.width, frame.height), metadata, half)
@@ -237,7 +308,7 @@ struct Facts<'a> {
     frame: &'a Frame,
     samples: u32,
     triangles: u64,
-    warnings: Vec<String>,
+    warnings: &'a [String],
 }
 
 /// Prints the report: two lines for people, or one of JSON.

@@ -1,6 +1,6 @@
 //! What is said at the end of a run.
 
-use super::output::{count, peak_memory};
+use super::output::{FRAME, TIME, count, peak_memory};
 use super::progress::clock;
 use super::say;
 use super::work::Job;
@@ -20,7 +20,6 @@ pub(crate) struct Times {
 pub(crate) fn report(
     job: &Job,
     film: &Film,
-    world: &World,
     triangles: u64,
     warnings: &[String],
     times: &Times,
@@ -39,7 +38,7 @@ pub(crate) fn report(
         for p in film.beauty() {
             (0..3).for_each(|c| mean[c] += f64::from(p[c]) / film.pixels() as f64);
         }
-        let report = serde_json::json!({
+        let mut report = serde_json::json!({
             "version": env!("CARGO_PKG_VERSION"),
             "output": job.output.to_string_lossy(),
             "film": job.explicit_film.as_ref().map(|f| f.to_string_lossy()),
@@ -51,7 +50,7 @@ pub(crate) fn report(
             "seed": job.args.seed,
             "seconds": { "load": load, "build": build, "render": render, "write": write, "total": total },
             "triangles": triangles,
-            "lights": world.light_count(),
+            "lights": job.shot.world().map_or(0, World::light_count),
             "threads": rayon::current_num_threads(),
             "rays": {
                 "closest": load_counter(&job.counters.closest_rays),
@@ -65,6 +64,11 @@ pub(crate) fn report(
             "peak_memory_bytes": peak_memory(),
             "warnings": warnings,
         });
+        for (key, name) in [("frame", FRAME), ("time", TIME)] {
+            if let Some(v) = job.info.notes.get(name) {
+                report[key] = v.parse::<f64>().map_or(serde_json::Value::Null, Into::into);
+            }
+        }
         say(&report.to_string());
         return;
     }

@@ -4,12 +4,13 @@ use super::CliError;
 use super::args::RenderArgs;
 use super::output::ARGUMENTS;
 use super::scene_file::{GOAL, fields, over};
-use crate::render::{Film, FilmError, FilmInfo, Renderer};
+use super::shot::Shot;
+use crate::render::{Film, FilmError, FilmInfo};
 use serde_json::{Map, Value};
 use std::path::Path;
 
 /// These always come from the present command.
-const PRESENT: [&str; 7] = ["film", "resume", "watch", "json", "quiet", "threads", "checkpoint"];
+const PRESENT: [&str; 8] = ["film", "resume", "watch", "json", "quiet", "threads", "checkpoint", "overwrite"];
 /// These change how the picture is developed, not what it shows.
 const DEVELOPMENT: [&str; 6] = ["output", "exposure", "curve", "linear", "bits", "quality"];
 
@@ -44,11 +45,11 @@ pub(crate) fn check(
     film: &Film,
     info: &FilmInfo,
     args: &RenderArgs,
-    renderer: &Renderer,
+    shot: &Shot,
 ) -> Result<(), CliError> {
-    let s = renderer.settings();
+    let s = shot.settings();
     let same_size = (film.width, film.height, film.passes) == (s.width, s.height, s.passes);
-    if same_size && info.picture == renderer.picture_id() {
+    if same_size && info.picture == shot.picture_id() {
         return Ok(());
     }
     let changing: Vec<String> = args

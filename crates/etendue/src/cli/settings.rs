@@ -2,6 +2,7 @@
 //! there can be said in a scene file, stands in the schema, and is explained by the same words.
 
 use super::args::{Cli, Integrator};
+use super::motion_args::FrameRange;
 use super::values::Vec3Arg;
 use crate::color::ToneCurve;
 use crate::image::SkyLayout;
@@ -14,11 +15,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 /// Arguments that no table has, and why.
-pub(crate) const NOT_IN_A_SCENE: [(&str, &str); 8] = [
+pub(crate) const NOT_IN_A_SCENE: [(&str, &str); 10] = [
     ("model", "models stand in [[model]]"),
     ("material", "materials are changed by [override]"),
     ("variant", "each model has its own"),
     ("at", "each model has its own"),
+    ("animation", "each model has its own"),
+    ("turn_frame", "it is what a film remembers"),
     ("resume", "to go on is a deed, not a setting"),
     ("allow_outside", "a file must not allow itself what its reader did not"),
     ("max_memory", "likewise"),
@@ -135,7 +138,7 @@ fn kind(arg: &Arg) -> Kind {
         Kind::Integer([0, i64::MAX])
     } else if is(TypeId::of::<Vec3Arg>()) {
         Kind::Vector
-    } else if is(TypeId::of::<(u32, u32)>()) {
+    } else if is(TypeId::of::<(u32, u32)>()) || is(TypeId::of::<FrameRange>()) {
         Kind::Pair(if value_name.contains("..") { ".." } else { "x" })
     } else if is(TypeId::of::<Duration>()) {
         Kind::Time

@@ -4,8 +4,9 @@ use super::args::RenderArgs;
 use super::goal::Goal;
 use super::output::{write_film, write_film_picture};
 use super::progress::Progress;
+use super::shot::Shot;
 use super::{CliError, note_line};
-use crate::render::{Counters, Film, FilmInfo, Renderer};
+use crate::render::{Counters, Film, FilmInfo};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -29,7 +30,9 @@ pub(crate) fn listen_for_interrupts() {
 /// One run of `etendue render`.
 pub(crate) struct Job<'a> {
     pub args: RenderArgs,
-    pub renderer: Renderer<'a>,
+    pub shot: Shot<'a>,
+    /// Which picture of several, for the progress bar.
+    pub label: String,
     pub info: FilmInfo,
     pub output: PathBuf,
     /// Where the user wants the film.
@@ -73,7 +76,10 @@ impl Every {
 
 impl Job<'_> {
     /// Takes samples until the goal is reached (true) or the user stops it (false).
-    pub fn sample(&mut self, film: &mut Film, goal: &Goal) -> bool {
+    ///
+    /// # Errors
+    /// A moment of a moving scene that cannot be made.
+    pub fn sample(&mut self, film: &mut Film, goal: &Goal) -> Result<bool, CliError> {
         let start = Instant::now();
         let total = if goal.open { 0 } else { goal.missing };
         let visible = !self.args.quiet && !self.args.json;
@@ -85,12 +91,19 @@ impl Job<'_> {
             goal.time,
             visible,
         );
+        progress.label(&self.label);
         let finished = self.batches(film, goal, start, &progress);
         progress.finish();
         finished
     }
 
-    fn batches(&mut self, film: &mut Film, goal: &Goal, start: Instant, progress: &Progress) -> bool {
+    fn batches(
+        &mut self,
+        film: &mut Film,
+        goal: &Goal,
+        start: Instant,
+        progress: &Progress,
+    ) -> Result<bool, CliError> {
         let mut checkpoint = Every::new(self.args.checkpoint, self.args.checkpoint, 1.0);
         let mut watch = Every::new(Duration::ZERO, WATCH, 1.25);
         let interval = Duration::from_millis(300);
@@ -98,20 +111,20 @@ impl Job<'_> {
         let mut troubles = Vec::new();
         let mut batch = 1u32;
         if goal.is_quiet(film.samples(), || film.relative_error()) {
-            return true;
+            return Ok(true);
         }
         for (from, to) in film.ranges.missing(goal.from, goal.to) {
             let mut at = from;
             while at < to {
                 if INTERRUPTS.load(Ordering::SeqCst) > 0 && film.samples() > 0 {
-                    return false;
+                    return Ok(false);
                 }
                 let mut n = batch.min(to - at);
                 if goal.noise.is_some() {
                     n = u64::from(n).min(Goal::next_check(film.samples()) - film.samples()) as u32;
                 }
                 let begun = Instant::now();
-                self.renderer.render(film, at, at + n, &self.counters);
+                self.shot.render(film, at, at + n, &self.counters)?;
                 at += n;
                 let rate = f64::from(n) / begun.elapsed().as_secs_f64().max(1e-6);
                 // Batches of a second: short enough to stop at, long enough for a pixel's samples to share the caches.
@@ -119,7 +132,7 @@ impl Job<'_> {
                 if let Some(budget) = goal.time {
                     let left = budget.saturating_sub(start.elapsed()).as_secs_f64();
                     if left * rate < 1.0 {
-                        return true;
+                        return Ok(true);
                     }
                     batch = batch.min((left * rate) as u32).max(1);
                 }
@@ -127,7 +140,7 @@ impl Job<'_> {
                     estimate.run(|| progress.set_error(film.relative_error()));
                 }
                 if goal.is_quiet(film.samples(), || film.relative_error()) {
-                    return true;
+                    return Ok(true);
                 }
                 if at == to {
                     continue;
@@ -149,7 +162,7 @@ impl Job<'_> {
                 }
             }
         }
-        true
+        Ok(true)
     }
 
     /// The message for a run that the user stopped.

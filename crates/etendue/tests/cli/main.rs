@@ -7,6 +7,7 @@ mod baking;
 mod comparing;
 mod errors;
 mod films;
+mod frames;
 mod lab;
 mod laboratory;
 mod models;
