@@ -97,7 +97,8 @@ impl<I: Interface> GgxDielectric<I> {
 
     #[inline(always)]
     fn parts(&self, cos: f32, reflect: &impl Fn(f32) -> Spectrum) -> Split {
-        let reflected = reflect(cos.min(1.0));
+        // A film's sum of waves may miss 0 or 1 by a rounding.
+        let reflected = reflect(cos.min(1.0)).map(|v| v.max(0.0).min(1.0));
         self.split(reflected, Spectrum::ONE - reflected)
     }
 
@@ -122,7 +123,8 @@ impl<I: Interface> GgxDielectric<I> {
     fn seen_mirrored(&self, wo: Vec3A, w: Vec3A) -> f32 {
         let o = 0.5 + 0.5 * self.ggx.stretched_length(wo) / wo.z;
         let i = 0.5 + 0.5 * self.ggx.stretched_length(w) / w.z;
-        o / (o + i - 1.0)
+        // i is 1 or more, but for rounding.
+        (o / (o + i - 1.0)).min(1.0)
     }
 
     /// g of refraction into `w`, below the surface.

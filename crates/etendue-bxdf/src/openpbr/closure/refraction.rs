@@ -53,6 +53,10 @@ impl Refraction {
     /// Estimates of the parts that are reflected and that pass, by lane; `mean` is the facets' mean reflectance.
     #[inline]
     pub(super) fn energy(&self, wo: Vec3A, mean: Spectrum) -> [Spectrum; 2] {
-        if self.reflects() { [mean, Spectrum::ONE - mean] } else { self.lobe.energy(wo) }
+        if !self.reflects() {
+            return self.lobe.energy(wo);
+        }
+        let mean = mean.map(|v| v.max(0.0).min(1.0));
+        [mean, Spectrum::ONE - mean]
     }
 }
