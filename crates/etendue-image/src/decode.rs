@@ -1,4 +1,4 @@
-//! PNG, JPEG, WebP and KTX2 into a picture at the depth of the file.
+//! PNG, JPEG, WebP, KTX2, BMP and TGA into a picture at the depth of the file.
 
 use std::io::Cursor;
 
@@ -53,9 +53,10 @@ impl DecodeLimits {
 }
 
 /// The formats that [`decode`] reads.
-const KNOWN: &str = "PNG, JPEG, WebP, KTX2";
+const KNOWN: &str = "PNG, JPEG, WebP, KTX2, BMP, TGA";
 
-/// Decodes a PNG, JPEG, WebP or KTX2 picture, told apart by its first bytes.
+/// Decodes a PNG, JPEG, WebP, KTX2, BMP or TGA picture, told apart by its first bytes; TGA, which has none of its own, by a
+/// header that makes sense.
 ///
 /// Samples keep the file's depth (8 bits, or 16 in 16-bit PNG; fewer bits are scaled to 8) and its kind: grey,
 /// grey + alpha, RGB or RGBA, alpha not multiplied in. Palettes are expanded, a transparent colour becomes an alpha channel, CMYK
@@ -72,17 +73,51 @@ pub fn decode(bytes: &[u8], limits: &DecodeLimits) -> Result<Image, ImageError> 
         [0xff, 0xd8, ..] => decode_jpeg(bytes, limits),
         [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => decode_webp(bytes, limits),
         [0xab, b'K', b'T', b'X', b' ', b'2', ..] => decode_ktx2(bytes, limits),
+        [b'B', b'M', ..] => decode_bmp(bytes, limits),
+        _ if is_tga(bytes) => decode_tga(bytes, limits),
         _ => Err(unknown_format(bytes, KNOWN)),
     }
 }
 
+/// True if the bytes begin as a TGA file does (Truevision, "TGA File Format Specification" 2.0).
+pub fn is_tga(bytes: &[u8]) -> bool {
+    let Some(head) = bytes.get(..18) else { return false };
+    let (map, kind, depth) = (head[1], head[2], head[16]);
+    let entries = u16::from_le_bytes([head[5], head[6]]);
+    let mapped = match kind {
+        1 | 9 => map == 1 && entries > 0 && matches!(head[7], 15 | 16 | 24 | 32) && matches!(depth, 8 | 16),
+        2 | 10 => map <= 1 && matches!(depth, 15 | 16 | 24 | 32),
+        3 | 11 => map == 0 && matches!(depth, 8 | 16),
+        _ => false,
+    };
+    let size = |i: usize| u16::from_le_bytes([head[i], head[i + 1]]) > 0;
+    // The two highest bits of the descriptor have to be 0; alpha has eight bits at most.
+    mapped && size(12) && size(14) && head[17] >> 6 == 0 && head[17] & 15 <= 8
+}
+
+/// Runs of at most 255 pixels in two bytes, of four channels each.
+const RUNS_PER_BYTE: u64 = 512;
+
+fn decode_bmp(bytes: &[u8], limits: &DecodeLimits) -> Result<Image, ImageError> {
+    const F: &str = "BMP";
+    let decoder = image::codecs::bmp::BmpDecoder::new(Cursor::new(bytes)).map_err(|e| image_error(F, e))?;
+    let (w, h) = decoder.dimensions();
+    limits.check(F, (w.into(), h.into()), decoder.total_bytes(), bytes.len(), RUNS_PER_BYTE)?;
+    read_image(F, decoder)
+}
+
+fn decode_tga(bytes: &[u8], limits: &DecodeLimits) -> Result<Image, ImageError> {
+    const F: &str = "TGA";
+    let (w, h) = (u16::from_le_bytes([bytes[12], bytes[13]]), u16::from_le_bytes([bytes[14], bytes[15]]));
+    // Four channels at most; looked at before the decoder allocates anything.
+    limits.check(F, (w.into(), h.into()), 4 * u64::from(w) * u64::from(h), bytes.len(), RUNS_PER_BYTE)?;
+    let decoder = image::codecs::tga::TgaDecoder::new(Cursor::new(bytes)).map_err(|e| image_error(F, e))?;
+    read_image(F, decoder)
+}
+
 fn decode_ktx2(bytes: &[u8], limits: &DecodeLimits) -> Result<Image, ImageError> {
-    const F: &str = "KTX2";
-    let Image { width, height, channels, pixels } = Ktx2::new(bytes, limits)?.first()?;
-    if matches!(pixels, Pixels::F32(_)) {
-        return Err(ImageError::unsupported(F, "floats as a texture"));
-    }
-    finish(F, width, height, channels, pixels)
+    let Image { width, height, channels, pixels } = Ktx2::new(bytes, limits)?.texture()?;
+    finish("KTX2", width, height, channels, pixels)
 }
 
 pub(crate) fn unknown_format(bytes: &[u8], known: &'static str) -> ImageError {

@@ -1,7 +1,7 @@
 //! Pictures: buffers with their depth, readers that bound what a file may ask for, writers that never leave half a
 //! file, development from scene light to display values, and metrics.
 //!
-//! - [`decode`]: PNG, JPEG, WebP, KTX2 → [`Image`] at the file's own depth, for textures.
+//! - [`decode`]: PNG, JPEG, WebP, KTX2, BMP, TGA → [`Image`] at the file's own depth, for textures.
 //! - [`Ktx2`]: all that a KTX2 texture holds: mips, layers, faces, whether its colours are encoded.
 //! - [`read_environment`]: Radiance HDR, OpenEXR, cubes of KTX2 and DDS, strips and crosses → linear light without a pixel that is not finite.
 //! - [`decode_picture`]: any of these as it stands, to be looked at or compared.
@@ -29,10 +29,11 @@ mod write;
 
 pub use atomic::write_atomic;
 pub use buffer::{Image, Pixels};
-pub use decode::{DecodeLimits, decode};
+pub use decode::{DecodeLimits, decode, is_tga};
 pub use develop::{Depth, Development, develop};
 pub use environment::{
-    Environment, SkyLayout, decode_environment, decode_environment_as, read_environment, read_environment_as,
+    Environment, SkyLayout, decode_environment, decode_environment_as, lat_long_of_cube, read_environment,
+    read_environment_as,
 };
 pub use error::ImageError;
 pub use exr_read::read_exr_layers;

@@ -7,7 +7,7 @@ use crate::limits::shown;
 use crate::source::Source;
 use crate::uri;
 use crate::warning::Warnings;
-use etendue_image::{DecodeLimits, Image, ImageError, Ktx2, decode};
+use etendue_image::{DecodeLimits, Image, ImageError, Ktx2, decode, is_tga};
 use etendue_scene::{Filter, Sampler, Scene, Texture, TextureRef, Wrap};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -208,14 +208,8 @@ pub(crate) fn decode_all(
                     Fault::Image { pointer: format!("/images/{i}"), image: name, message: e.to_string() }
                 }
             };
-            let image = decode(&code, &limits).map_err(fault)?;
-            source.dimensions(&image).map_err(|what| Fault::TooLarge {
-                pointer: format!("/images/{i}"),
-                what,
-                limit: "image_dimension",
-            })?;
             let (mut said, mut mips, mut srgb) = (format, 1, None);
-            if format == "KTX2" {
+            let image = if format == "KTX2" {
                 let k = Ktx2::new(&code, &limits).map_err(fault)?;
                 (mips, srgb) = (k.mips(), Some(k.is_srgb()));
                 said = match k.coding() {
@@ -223,7 +217,15 @@ pub(crate) fn decode_all(
                     "UASTC" => "KTX2 UASTC",
                     _ => format,
                 };
-            }
+                k.texture().map_err(fault)?
+            } else {
+                decode(&code, &limits).map_err(fault)?
+            };
+            source.dimensions(&image).map_err(|what| Fault::TooLarge {
+                pointer: format!("/images/{i}"),
+                what,
+                limit: "image_dimension",
+            })?;
             let size = image.bytes() as u64;
             if total.fetch_add(size, Ordering::Relaxed).saturating_add(size) > allowed {
                 return Err(Fault::TooLarge {
@@ -274,6 +276,8 @@ pub(crate) fn format_of(bytes: &[u8]) -> &'static str {
         [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => "WebP",
         [0xab, b'K', b'T', b'X', ..] => "KTX2",
         [b'D', b'D', b'S', b' ', ..] => "DDS",
+        [b'B', b'M', ..] => "BMP",
+        _ if is_tga(bytes) => "TGA",
         _ => "unknown",
     }
 }

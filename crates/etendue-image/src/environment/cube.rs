@@ -81,9 +81,10 @@ impl Faces {
     }
 }
 
-/// A picture four faces wide and two high of what six faces show, three floats each; its middle is +X, as that of every sky. `turn` says for a
+/// A picture four faces wide and two high of what six faces (+X, −X, +Y, −Y, +Z, −Z, squares of one size, oriented as OpenGL takes them) show,
+/// three floats each; its middle is +X, as that of every sky. `turn` says for a
 /// direction of the world in which direction of the cube to look.
-pub(crate) fn lat_long_of_cube(faces: &[Image], turn: impl Fn([f32; 3]) -> [f32; 3] + Sync) -> Image {
+pub fn lat_long_of_cube(faces: &[Image], turn: impl Fn([f32; 3]) -> [f32; 3] + Sync) -> Image {
     let cube = Faces::new(faces);
     let (w, h) = (4 * cube.n, 2 * cube.n);
     let around: Vec<[f32; 2]> = (0..w * POINTS)

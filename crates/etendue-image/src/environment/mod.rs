@@ -13,7 +13,7 @@ use crate::dds::{decode_dds, is_dds};
 use crate::decode::{DecodeLimits, decode, unknown_format};
 use crate::hdr::{decode_hdr, is_hdr};
 use crate::{Image, ImageError, Ktx2, Pixels};
-pub(crate) use cube::lat_long_of_cube;
+pub use cube::lat_long_of_cube;
 pub use layout::SkyLayout;
 
 /// A picture of the surroundings, fit to be a light.

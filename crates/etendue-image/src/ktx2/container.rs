@@ -20,8 +20,22 @@ pub(super) enum Scheme {
 pub(super) struct Level<'a> {
     /// As in the file.
     pub bytes: &'a [u8],
+    /// Where they stand.
+    pub offset: u64,
     /// Size without supercompression, as the index says.
     pub size: u64,
+}
+
+/// Where parts stand, and what the header says beside.
+pub(super) struct Places {
+    pub type_size: u32,
+    /// Whether the header gives a height, and a number of mips, at all.
+    pub has_height: bool,
+    pub has_levels: bool,
+    /// Offset and length.
+    pub descriptor: (u64, u64),
+    pub values: (u64, u64),
+    pub global: (u64, u64),
 }
 
 /// A file whose parts are known to be within it.
@@ -40,6 +54,7 @@ pub(super) struct Container<'a> {
     values: &'a [u8],
     /// Global data of the supercompression.
     pub global: &'a [u8],
+    pub places: Places,
 }
 
 fn word(b: &[u8], at: usize) -> u32 {
@@ -70,7 +85,7 @@ impl<'a> Container<'a> {
         let Some(header) = bytes.get(..80).filter(|h| h.starts_with(&IDENTIFIER)) else {
             return bad("the header is cut off or not that of KTX 2");
         };
-        let [format, _, width, height, depth, layers, faces, levels, scheme] =
+        let [format, type_size, width, height, depth, layers, faces, levels, scheme] =
             std::array::from_fn(|i| word(header, 12 + 4 * i));
         if width == 0 {
             return bad("it has no width");
@@ -84,6 +99,7 @@ impl<'a> Container<'a> {
         if faces == 6 && (width != height || depth > 0) {
             return bad("a cube whose faces are not square");
         }
+        let (has_height, has_levels) = (height > 0, levels > 0);
         let (height, depth, layers) = (height.max(1), depth.max(1), layers.max(1));
         let most = 32 - width.max(height).max(depth).leading_zeros();
         if levels > most {
@@ -99,11 +115,21 @@ impl<'a> Container<'a> {
         let levels = (0..levels.max(1) as usize).map(|i| {
             let index = bytes.get(80 + 24 * i..104 + 24 * i);
             let index = index.ok_or_else(|| ImageError::damaged(F, "the index of mips is cut off"))?;
-            let bytes = part(bytes, long(index, 0), long(index, 8), "a mip")?;
-            Ok(Level { bytes, size: long(index, 16) })
+            let offset = long(index, 0);
+            let bytes = part(bytes, offset, long(index, 8), "a mip")?;
+            Ok(Level { bytes, offset, size: long(index, 16) })
         });
         let levels = levels.collect::<Result<Vec<_>, ImageError>>()?;
-        let near = |at: usize, name| part(bytes, word(header, at).into(), word(header, at + 4).into(), name);
+        let pair = |at: usize| (u64::from(word(header, at)), u64::from(word(header, at + 4)));
+        let near = |at: usize, name| part(bytes, pair(at).0, pair(at).1, name);
+        let places = Places {
+            type_size,
+            has_height,
+            has_levels,
+            descriptor: pair(48),
+            values: pair(56),
+            global: (long(header, 64), long(header, 72)),
+        };
         Ok(Self {
             format,
             width,
@@ -116,6 +142,7 @@ impl<'a> Container<'a> {
             descriptor: near(48, "the data format descriptor")?,
             values: near(56, "the key-value data")?,
             global: part(bytes, long(header, 64), long(header, 72), "the global data")?,
+            places,
         })
     }
 
@@ -139,6 +166,30 @@ impl<'a> Container<'a> {
     /// Number of all pictures.
     pub fn images(&self) -> u64 {
         (0..self.levels.len() as u32).map(|m| self.images_of(m)).fold(0, u64::saturating_add)
+    }
+
+    /// Whether the key-value data consist of entries (3.11).
+    pub fn check_values(&self) -> Result<(), ImageError> {
+        let mut rest = self.values;
+        while !rest.is_empty() {
+            let entry = rest.split_first_chunk::<4>().and_then(|(length, more)| {
+                let length = u32::from_le_bytes(*length) as usize;
+                let entry = more.get(..length)?;
+                let key = entry.iter().position(|&b| b == 0)?;
+                // The padding of the last entry may be left out.
+                Some((key > 0, more.get(length.next_multiple_of(4)..).unwrap_or_default()))
+            });
+            match entry {
+                Some((true, more)) => rest = more,
+                _ => {
+                    return Err(ImageError::damaged(
+                        F,
+                        "the key-value data do not consist of keys and values",
+                    ));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The value of a key; the first, if a damaged file has several (3.11).

@@ -24,6 +24,10 @@ pub(super) struct Sample {
     pub float: bool,
     pub signed: bool,
     pub exponent: bool,
+    /// Not encoded, though the others are.
+    pub linear: bool,
+    /// Where in the texel it was taken; 0 is the texel itself.
+    pub position: u32,
     /// What stands for 0 (or −1) and 1.
     pub lower: u32,
     pub upper: u32,
@@ -56,6 +60,9 @@ impl Descriptor {
         if vendor != 0 {
             return bad("is not the basic one");
         }
+        if version & 0xffff != 2 {
+            return Err(ImageError::unsupported(F, format!("a descriptor of version {}", version & 0xffff)));
+        }
         let (samples, rest) = bytes[28..4 + size].as_chunks::<16>();
         if !rest.is_empty() || samples.is_empty() || samples.len() > MAX_SAMPLES {
             return bad("has an impossible number of samples");
@@ -70,6 +77,24 @@ impl Descriptor {
         };
         if dimensions != texel {
             return Err(ImageError::unsupported(F, "blocks of texels of an unusual size"));
+        }
+        // Numbers of KDF 1.3, tables 5.10 and 5.11.
+        let (primaries, transfer) = (model >> 8 & 255, model >> 16 & 255);
+        if primaries > 11 || transfer > 19 {
+            return bad("has primaries or a transfer function that are not known");
+        }
+        // The second stream of ETC1S, alpha, counts as a plane.
+        let second = if kind == Model::Etc1s { planes >> 16 } else { planes >> 8 };
+        let more_planes = second != 0 || word(24) != 0;
+        if more_planes || samples.iter().any(|s| s.position != 0) {
+            return Err(ImageError::unsupported(F, "texels of several planes or places"));
+        }
+        // Alpha is never encoded; for the others the descriptor would contradict itself.
+        if samples.iter().any(|s| s.linear && (transfer == 1 || s.channel != 15 && kind != Model::Bc6h)) {
+            return bad("calls a sample linear that is not, or need not be");
+        }
+        if !basis_samples(kind, &samples) {
+            return bad("has samples that its texels do not have");
         }
         // The size may be left out under supercompression; then it is that of the samples.
         let end = samples.iter().map(|s| s.bit + s.bits).max().unwrap_or(0);
@@ -90,6 +115,22 @@ impl Descriptor {
     }
 }
 
+/// Whether the samples are those of the coded blocks (KTX 2.0, 3.10; KDF 1.3, tables 5.27 and 5.29); true for plain ones.
+fn basis_samples(model: Model, samples: &[Sample]) -> bool {
+    let is = |s: &Sample, bit: u32, bits: u32, channels: &[u8]| {
+        let whole = s.bit == bit && s.bits == bits && s.lower == 0 && s.upper == u32::MAX;
+        whole && channels.contains(&s.channel)
+    };
+    match (model, samples) {
+        (Model::Plain, _) => true,
+        (Model::Uastc, [s]) => is(s, 0, 128, &[0, 3, 4, 5, 6]),
+        (Model::Etc1s, [s]) => is(s, 0, 64, &[0, 3]),
+        (Model::Etc1s, [s, t]) => is(s, 0, 64, &[0, 3]) && is(t, 64, 64, &[4, 15]),
+        (Model::Bc6h, [s]) => s.bit == 0 && s.bits == 128 && s.channel == 0 && s.float,
+        _ => false,
+    }
+}
+
 impl Sample {
     fn read(b: &[u8; 16]) -> Self {
         let word = |i: usize| u32::from_le_bytes([b[i], b[i + 1], b[i + 2], b[i + 3]]);
@@ -101,6 +142,8 @@ impl Sample {
             float: kind & 0x80 != 0,
             signed: kind & 0x40 != 0,
             exponent: kind & 0x20 != 0,
+            linear: kind & 0x10 != 0,
+            position: word(4),
             lower: word(8),
             upper: word(12),
         }

@@ -60,6 +60,9 @@ impl Codebooks {
         let (endpoints, rest) = rest.split_at_checked(long(4)).ok_or_else(cut)?;
         let (selectors, rest) = rest.split_at_checked(long(8)).ok_or_else(cut)?;
         let tables = rest.get(..long(12)).ok_or_else(cut)?;
+        if rest.len() != tables.len() || long(16) != 0 {
+            return Err(damaged("the codebooks have not the sizes that they say"));
+        }
         let slices = descriptions.as_chunks::<20>().0.iter().map(Slices::read).collect::<Result<_, _>>()?;
         let mut r = BitReader::new(tables);
         let mut code = || -> Result<Huffman, ImageError> {
@@ -75,6 +78,19 @@ impl Codebooks {
         let endpoints = read_endpoints(endpoints, short(0))?;
         let selectors = read_selectors(selectors, short(2))?;
         Ok(Self { endpoints, selectors, predictor, delta, selector, run, history, slices })
+    }
+
+    /// Refuses pictures whose streams are outside of their mips (of so many `bytes`, one for each picture) or are not as many as `samples`.
+    pub fn check(&self, bytes: impl Iterator<Item = usize>, samples: usize) -> Result<(), ImageError> {
+        for (slices, bytes) in self.slices.iter().zip(bytes) {
+            for (i, (offset, length)) in slices.parts.into_iter().enumerate() {
+                let there = length > 0;
+                if there != (i < samples) || u64::from(offset) + u64::from(length) > bytes as u64 {
+                    return Err(damaged("a stream is outside of its mip, missing, or one too many"));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Decodes picture `index` from its mip's bytes.
@@ -219,6 +235,9 @@ impl Slices {
         let word = |i: usize| u32::from_le_bytes([b[i], b[i + 1], b[i + 2], b[i + 3]]);
         if word(0) & 2 != 0 {
             return Err(ImageError::unsupported(F, "frames of a video"));
+        }
+        if word(0) != 0 {
+            return Err(damaged("a picture has flags that are not known"));
         }
         Ok(Self { parts: [(word(4), word(8)), (word(12), word(16))] })
     }

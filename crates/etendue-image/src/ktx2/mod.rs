@@ -6,6 +6,7 @@
 //! graphics hardware (BC, ETC2, ASTC, PVRTC), video. Written from Khronos, "KTX File Format Specification" 2.0 and "Khronos
 //! Data Format Specification" 1.3.
 
+mod consistency;
 mod container;
 mod descriptor;
 mod etc1s;
@@ -68,6 +69,14 @@ impl<'a> Ktx2<'a> {
         };
         let out = Self { container, descriptor, view, books, limits: *limits };
         out.check_plain()?;
+        consistency::check(&out.container, &out.descriptor)?;
+        if let Some(books) = &out.books {
+            let sizes = (0..out.mips()).flat_map(|mip| {
+                let bytes = out.container.levels[mip as usize].bytes.len();
+                (0..out.container.images_of(mip)).map(move |_| bytes)
+            });
+            books.check(sizes, out.descriptor.samples.len())?;
+        }
         Ok(out)
     }
 
@@ -135,6 +144,18 @@ impl<'a> Ktx2<'a> {
     pub fn first(&self) -> Result<Image, ImageError> {
         let mut all = self.decode(0, 1)?;
         all.pop().ok_or_else(|| ImageError::damaged(F, "no picture"))
+    }
+
+    /// [`Ktx2::first`] as [`crate::decode()`] gives it: floats are not for textures.
+    ///
+    /// # Errors
+    /// As [`Ktx2::mip`]; [`ImageError::Unsupported`] for floats.
+    pub fn texture(&self) -> Result<Image, ImageError> {
+        let image = self.first()?;
+        if matches!(image.pixels, Pixels::F32(_)) {
+            return Err(ImageError::unsupported(F, "floats as a texture"));
+        }
+        Ok(image)
     }
 
     /// Decodes the first `count` pictures of a mip.
@@ -227,6 +248,8 @@ pub(crate) fn plain_picture(
         float: s.float,
         signed: s.signed,
         exponent: s.exponent,
+        linear: false,
+        position: 0,
         lower: 0,
         upper: u32::MAX >> (32 - s.bits.min(32)),
     });
