@@ -15,6 +15,8 @@ pub(crate) const GPU_INSTANCING: &str = "EXT_mesh_gpu_instancing";
 pub(crate) const IOR: &str = "KHR_materials_ior";
 pub(crate) const IRIDESCENCE: &str = "KHR_materials_iridescence";
 pub(crate) const KHR_MESHOPT: &str = "KHR_meshopt_compression";
+pub(crate) const LIGHTS_IES: &str = "EXT_lights_ies";
+pub(crate) const LIGHTS_IMAGE_BASED: &str = "EXT_lights_image_based";
 pub(crate) const LIGHTS_PUNCTUAL: &str = "KHR_lights_punctual";
 pub(crate) const MESH_QUANTIZATION: &str = "KHR_mesh_quantization";
 pub(crate) const NODE_VISIBILITY: &str = "KHR_node_visibility";
@@ -28,11 +30,14 @@ pub(crate) const TRANSMISSION: &str = "KHR_materials_transmission";
 pub(crate) const UNLIT: &str = "KHR_materials_unlit";
 pub(crate) const VARIANTS: &str = "KHR_materials_variants";
 pub(crate) const VOLUME: &str = "KHR_materials_volume";
+/// May stand on anything; read where it stands on the asset.
+pub(crate) const XMP: &str = "KHR_xmp_json_ld";
 
 /// Extensions that may stand on an object of the kind and need no warning there.
 pub(crate) const ON_ACCESSOR: [&str; 0] = [];
 pub(crate) const ON_BUFFER_VIEW: [&str; 2] = [EXT_MESHOPT, KHR_MESHOPT];
-pub(crate) const ON_ROOT: [&str; 2] = [LIGHTS_PUNCTUAL, VARIANTS];
+pub(crate) const ON_ROOT: [&str; 4] = [LIGHTS_IES, LIGHTS_IMAGE_BASED, LIGHTS_PUNCTUAL, VARIANTS];
+pub(crate) const ON_SCENE: [&str; 1] = [LIGHTS_IMAGE_BASED];
 pub(crate) const ON_PRIMITIVE: [&str; 2] = [DRACO, VARIANTS];
 pub(crate) const ON_MATERIAL: [&str; 13] = [
     UNLIT,
@@ -61,7 +66,7 @@ pub(crate) const ON_SURFACE: [&str; 9] = [
     TRANSMISSION,
     VOLUME,
 ];
-pub(crate) const ON_NODE: [&str; 3] = [LIGHTS_PUNCTUAL, GPU_INSTANCING, NODE_VISIBILITY];
+pub(crate) const ON_NODE: [&str; 4] = [LIGHTS_IES, LIGHTS_PUNCTUAL, GPU_INSTANCING, NODE_VISIBILITY];
 
 /// How far an extension is supported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -91,6 +96,8 @@ const TABLE: &[(&str, Support)] = &[
     (IOR, Support::Full),
     (IRIDESCENCE, Support::Full),
     (KHR_MESHOPT, Support::Full),
+    (LIGHTS_IES, Support::Full),
+    (LIGHTS_IMAGE_BASED, Support::Full),
     (LIGHTS_PUNCTUAL, Support::Full),
     (MESH_QUANTIZATION, Support::Full),
     (NODE_VISIBILITY, Support::Full),
@@ -104,8 +111,8 @@ const TABLE: &[(&str, Support)] = &[
     (UNLIT, Support::Full),
     (VARIANTS, Support::Full),
     (VOLUME, Support::Full),
+    (XMP, Support::Full),
     ("KHR_xmp", Support::Ignored),
-    ("KHR_xmp_json_ld", Support::Ignored),
     ("MSFT_texture_dds", Support::Refused),
 ];
 

@@ -19,8 +19,8 @@ use crate::sizes::Sizes;
 use crate::source::Source;
 use crate::texture::{self, Decoded};
 use crate::warning::Warnings;
-use crate::{animation, glb, skin, unusual};
-use etendue_scene::{Mesh, Scene};
+use crate::{animation, glb, ies, skin, sky, unusual};
+use etendue_scene::{Environment, Mesh, Scene};
 use glam::{Affine3A, DAffine3};
 use rayon::prelude::*;
 use serde_json::Value;
@@ -72,6 +72,9 @@ pub(crate) struct Gltf<'f> {
     keep_files: bool,
     limits: Limits,
     progress: Option<Arc<ImportProgress>>,
+    /// Profiles of lamps.
+    lamps: ies::Loaded,
+    sky: Option<Environment>,
     /// By number in the file.
     images: Mutex<HashMap<u32, Decoded>>,
     /// Meshes of the last moment that no joint moves, if they are kept.
@@ -112,7 +115,11 @@ impl<'f> Gltf<'f> {
         let mut budget = Budget::new(limits, bytes.len() as u64 + buffers.external);
         buffers.decompress(&doc, &mut budget)?;
         draco::expand(&mut doc, &mut buffers, &mut budget, &mut warnings)?;
+        let lamps = ies::load(&doc, &buffers, &source, &mut warnings);
+        let sky = sky::load(&doc, &buffers, &source, &mut warnings)?;
         Ok(Self {
+            lamps,
+            sky,
             name,
             folder,
             text,
@@ -171,6 +178,7 @@ impl<'f> Gltf<'f> {
         let hidden = self.hierarchy.hidden(|i| pose.visible(doc, i));
         let budget = self.budget.clone();
         let mut plan = Plan::new(accessors, &pose, &changed, &globals, self.occlusion, budget, warnings);
+        plan.ies = self.lamps.clone();
         for &i in &self.shown {
             plan.node(i, hidden[i as usize])?;
         }
@@ -204,9 +212,10 @@ impl<'f> Gltf<'f> {
             textures: textures.textures,
             images: images.iter().map(|d| d.image.clone()).collect(),
             lights,
+            profiles: self.lamps.profiles.clone(),
+            environment: self.sky.clone().unwrap_or_default(),
             cameras: cameras.into_iter().map(|(_, c)| c).collect(),
             variants,
-            ..Scene::default()
         };
         drop_empty_meshes(&mut scene);
         scene.validate().map_err(|e| Fault::invalid("", e.0))?;

@@ -51,6 +51,10 @@ pub struct Info {
     pub materials: Vec<MaterialInfo>,
     /// Its images.
     pub images: Vec<ImageInfo>,
+    /// What it says of itself in `KHR_xmp_json_ld`: packets of JSON-LD as they stand.
+    pub xmp: Vec<serde_json::Value>,
+    /// The packet that is about the whole file.
+    pub xmp_of_asset: Option<u32>,
     /// Its cameras.
     pub cameras: Vec<CameraInfo>,
     /// Its punctual lights.
@@ -229,6 +233,8 @@ impl Info {
                     ..ImageInfo::default()
                 })
                 .collect(),
+            xmp: doc.xmp.iter().map(|&v| v.clone()).collect(),
+            xmp_of_asset: doc.asset.xmp.filter(|&i| (i as usize) < doc.xmp.len()),
             cameras: doc.cameras.iter().map(camera).collect(),
             lights: doc.lights.iter().map(light).collect(),
             animations: doc

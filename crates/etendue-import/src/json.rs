@@ -1,6 +1,7 @@
 //! Reading typed values out of a JSON tree, knowing at every moment where in it one stands.
 
 use crate::error::Fault;
+use crate::extensions::XMP;
 use crate::warning::Warnings;
 use serde_json::{Map, Value};
 
@@ -260,7 +261,7 @@ impl<'v> Reader<'v> {
     /// Warns of every extension of `o` that is not in `known`.
     pub fn other_extensions(&mut self, o: &'v Object, known: &[&str]) {
         let Some(Value::Object(e)) = o.get("extensions") else { return };
-        for name in e.keys().filter(|n| !known.contains(&n.as_str())) {
+        for name in e.keys().filter(|n| !known.contains(&n.as_str()) && *n != XMP) {
             self.path.push(Step::Key("extensions"));
             self.path.push(Step::Key(name));
             self.warn(format!("{name} is not supported yet; ignored"));

@@ -24,7 +24,8 @@
 //!    cores.
 //!
 //! `door` chooses the reader: `obj` (with its materials), `ply` and `stl` stand beside glTF. Their meshes and materials are put
-//! together by `assemble`; `polygon` cuts faces into triangles. [`mod@write`] makes glTF of a scene.
+//! together by `assemble`; `polygon` cuts faces into triangles. `ies` reads how lamps shine, `sky` the surroundings that a glTF
+//! file brings along. [`mod@write`] makes glTF of a scene.
 //!
 //! # What never happens
 //!
@@ -47,6 +48,7 @@ mod extensions;
 mod geometry;
 mod glb;
 mod gltf;
+mod ies;
 mod import;
 mod info;
 mod json;
@@ -66,6 +68,7 @@ mod progress;
 pub mod scene_file;
 mod sizes;
 mod skin;
+mod sky;
 mod source;
 mod stl;
 mod surface;
@@ -81,6 +84,7 @@ pub mod write;
 pub use animation::AnimationChoice;
 pub use error::ImportError;
 pub use extensions::{Support, support};
+pub use ies::{IesError, IesFile, parse_ies, read_ies, write_ies};
 pub use import::{ImageFile, ImportOptions, Imported, import, import_bytes};
 pub use info::{
     AnimationInfo, CameraInfo, Counts, ExtensionInfo, ImageInfo, Info, LightInfo, MaterialInfo, MeshInfo,

@@ -6,6 +6,7 @@ use crate::changed::Changed;
 use crate::document::{Component, Mode, Node, Primitive, Shape, get};
 use crate::error::Fault;
 use crate::geometry::{Job, MeshKey, SkinKey, TangentSpace};
+use crate::ies;
 use crate::limits::Budget;
 use crate::material;
 use crate::nodes::rotation;
@@ -36,6 +37,7 @@ pub(crate) struct Plan<'a> {
     pub variants: Vec<Variant>,
     pub textures: Textures<'a>,
     pub lights: Vec<Light>,
+    pub ies: ies::Loaded,
     /// With the camera's number in the file.
     pub cameras: Vec<(u32, Camera)>,
     pub budget: Budget,
@@ -71,6 +73,7 @@ impl<'a> Plan<'a> {
                 .collect(),
             textures: Textures::new(accessors.doc),
             lights: Vec::new(),
+            ies: ies::Loaded::default(),
             cameras: Vec::new(),
             budget,
             warnings,
@@ -99,6 +102,11 @@ impl<'a> Plan<'a> {
             self.budget.bytes(light.name.len() as u64, from)?;
             let pointer = format!("/extensions/KHR_lights_punctual/lights/{l}");
             self.lights.extend(place::light(light, &pointer, node.name, m, &mut self.warnings));
+        }
+        if let Some(l) = &node.ies {
+            let pointer = format!("/nodes/{i}/extensions/EXT_lights_ies");
+            self.budget.bytes(node.name.len() as u64, || pointer.clone())?;
+            self.lights.extend(ies::light(l, &self.ies, &pointer, node, m, &mut self.warnings)?);
         }
         if let Some(mesh) = node.mesh {
             self.mesh(i, node, mesh)?;

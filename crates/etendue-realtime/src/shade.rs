@@ -92,8 +92,8 @@ impl<A: Around> Lights<'_, A> {
     #[inline]
     fn punctual(&self, out: &mut Shaded, lighting: &Lighting) {
         let mut brightest = 0.0;
-        for (number, light) in lighting.lights.iter().enumerate() {
-            let Some(incoming) = light.at(self.inputs.position) else { continue };
+        for number in 0..lighting.lights.len() {
+            let Some(incoming) = lighting.incoming(number, self.inputs.position) else { continue };
             let toward = Toward { light: number, direction: incoming.wi, distance: incoming.distance };
             let wi = self.inputs.frame.to_local(incoming.wi);
             if let Some(p) = pair(self.s, wi, self.choices) {

@@ -6,7 +6,7 @@ use etendue_bxdf::{Bsdf, GltfParams, MetalRough, multiscatter};
 use etendue_color::Spectrum;
 use etendue_realtime::choices::{Compensation, Coupling};
 use etendue_realtime::{Choices, Inputs, Lighting, shade};
-use etendue_scene::{Light, LightKind, Scene};
+use etendue_scene::{Light, LightKind, LightProfile, Scene, Web};
 use glam::{Vec3, Vec3A};
 
 /// A scene with one light of this kind; directions are unit.
@@ -95,6 +95,27 @@ fn lights_that_stand_somewhere() {
     let e = red(&lit(spot, lean(0.4), at));
     assert!((e - 0.75 * window * t * t).abs() < 1e-5, "{e}");
     assert_eq!(red(&lit(spot, lean(0.7), at)), 0.0);
+    // A lamp that was measured: 8 cd downwards, 4 cd at a right angle, as many times as its intensity says.
+    let angles = vec![0.0, 90.0];
+    let profile = LightProfile::new(Web::C, angles, vec![0.0], vec![8.0, 4.0]).expect("a profile");
+    let measured = |direction| {
+        let kind = LightKind::Profile { profile: 0, side: Vec3::Z };
+        let light = Light {
+            name: String::new(),
+            kind,
+            intensity: Vec3::new(3.0, 2.0, 1.0),
+            position: at,
+            direction,
+            range: None,
+        };
+        let profiles = vec![std::sync::Arc::new(profile.clone())];
+        let scene = Scene { lights: vec![light], profiles, ..Scene::default() };
+        red(&Lighting::new(&scene, &Choices::default()).expect("no sky"))
+    };
+    for (direction, candela) in [(Vec3::NEG_Y, 8.0), (Vec3::X, 4.0), (Vec3::Y, 0.0)] {
+        let e = measured(direction);
+        assert!((e - 0.75 * candela).abs() < 1e-3, "{direction}: {e}");
+    }
     // Beyond the range there is nothing.
     assert_eq!(red(&lit(LightKind::Point, Vec3::X, Vec3::new(0.0, 9.5, 0.0))), 0.0);
 }

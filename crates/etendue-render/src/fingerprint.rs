@@ -22,6 +22,9 @@ pub(crate) fn scene(scene: &Scene, images: &[u32], sky: u32) -> u32 {
         h.update(format!("{:?}", (&i.name, i.mesh, i.material)).as_bytes());
     }
     h.update(format!("{:?}", (&scene.materials, &scene.textures, &scene.lights)).as_bytes());
+    if !scene.profiles.is_empty() {
+        h.update(format!("{:?}", scene.profiles).as_bytes());
+    }
     match &scene.environment {
         Environment::Constant(c) => floats(&mut h, c.to_array()),
         Environment::LatLong { rotation, intensity, .. } => {

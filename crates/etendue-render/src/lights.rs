@@ -9,7 +9,7 @@ use crate::surface::emitted;
 use crate::world::{MeshData, World};
 use etendue_bxdf::sampling::uniform_triangle;
 use etendue_color::Spectrum;
-use etendue_scene::{Bounds, Light, LightKind, TextureRef};
+use etendue_scene::{AimedProfile, Bounds, Light, LightKind, TextureRef};
 use etendue_trace::Hit;
 use glam::{Vec2, Vec3A};
 use rayon::prelude::*;
@@ -55,6 +55,8 @@ pub(crate) struct Lights {
     far_irradiance: f32,
     directional: Vec<Light>,
     punctual: Vec<Light>,
+    /// Of each punctual light; empty if none has one.
+    profiles: Vec<Option<AimedProfile>>,
     tree: LightTree,
     emitters: Vec<Emitter>,
     /// Per instance, the emitter of each triangle or `NONE`; empty if all are dark.
@@ -73,6 +75,10 @@ impl Lights {
             .filter(|l| l.intensity.max_element() > 0.0)
             .cloned()
             .partition(|l| l.kind == LightKind::Directional);
+        let mut profiles: Vec<_> = punctual.iter().map(|l| scene.aimed_profile(l)).collect();
+        if profiles.iter().all(Option::is_none) {
+            profiles.clear();
+        }
         let mut weights = vec![sky.sampled_irradiance()];
         weights.extend(directional.iter().map(|l| brightness(Spectrum::from_rgb(l.intensity.to_array()))));
         let far = Distribution1::new(weights.iter().copied());
@@ -116,7 +122,7 @@ impl Lights {
         }
         for (i, l) in punctual.iter().enumerate() {
             emitters.push(Emitter::Punctual(i as u32));
-            bounds.push(punctual_bounds(l));
+            bounds.push(punctual_bounds(l, profiles.get(i).and_then(Option::as_ref)));
         }
         Self {
             tree: LightTree::new(&bounds),
@@ -125,6 +131,7 @@ impl Lights {
             far: (far.total() > 0.0).then_some(far),
             directional,
             punctual,
+            profiles,
             emitters,
             emitter_of,
         }
@@ -198,7 +205,10 @@ impl Lights {
         let (light, probability) = self.tree.sample(choice.point, choice.normal, pick)?;
         let probability = probability * (1.0 - choice.far);
         match self.emitters[light as usize] {
-            Emitter::Punctual(i) => punctual_sample(&self.punctual[i as usize], choice.point, probability),
+            Emitter::Punctual(i) => {
+                let profile = self.profiles.get(i as usize).and_then(Option::as_ref);
+                punctual_sample(&self.punctual[i as usize], profile, choice.point, probability)
+            }
             Emitter::Triangle { instance, triangle } => {
                 triangle_sample(world, instance, triangle, choice.point, probability, u)
             }
@@ -328,12 +338,15 @@ fn triangle_sample(
     Some(LightSample { wi, distance, radiance, pdf: probability * d2 / projected, delta: false })
 }
 
-fn punctual_bounds(l: &Light) -> LightBounds {
+fn punctual_bounds(l: &Light, profile: Option<&AimedProfile>) -> LightBounds {
     let p = Vec3A::from(l.position);
-    let (axis, cos_reach) = match l.kind {
-        LightKind::Spot { outer, .. } => (Vec3A::from(l.direction), outer.cos()),
+    let (axis, cos_reach) = match (l.kind, profile) {
+        (LightKind::Spot { outer, .. }, _) => (Vec3A::from(l.direction), outer.cos()),
+        (_, Some(p)) => (Vec3A::from(l.direction), p.profile().cos_reach()),
         _ => (Vec3A::Y, -1.0),
     };
+    // As if a measured lamp were everywhere as strong as where it is strongest.
+    let peak = profile.map_or(1.0, |p| p.profile().peak());
     // A spot is as strong everywhere within its cone: the spread, not the reach, is the cone; no cosine falls off.
     LightBounds {
         bounds: Bounds { min: p, max: p },
@@ -341,12 +354,17 @@ fn punctual_bounds(l: &Light) -> LightBounds {
         cos_spread: cos_reach,
         cos_reach: 0.0,
         two_sided: false,
-        intensity: brightness(Spectrum::from_rgb(l.intensity.to_array())),
+        intensity: brightness(Spectrum::from_rgb(l.intensity.to_array())) * peak,
     }
 }
 
 /// Light from a point or spot light; equations of `KHR_lights_punctual`, "Range Property" and "Inner and Outer Cone Angles".
-fn punctual_sample(l: &Light, from: Vec3A, probability: f32) -> Option<LightSample> {
+fn punctual_sample(
+    l: &Light,
+    profile: Option<&AimedProfile>,
+    from: Vec3A,
+    probability: f32,
+) -> Option<LightSample> {
     let to = Vec3A::from(l.position) - from;
     let d2 = to.length_squared();
     let distance = d2.sqrt();
@@ -364,6 +382,9 @@ fn punctual_sample(l: &Light, from: Vec3A, probability: f32) -> Option<LightSamp
         let scale = 1.0 / (inner.cos() - cos_outer).max(1e-3);
         let t = ((-wi.dot(Vec3A::from(l.direction)) - cos_outer) * scale).clamp(0.0, 1.0);
         strength *= t * t;
+    }
+    if let Some(p) = profile {
+        strength *= p.candela(-wi);
     }
     if strength <= 0.0 {
         return None;

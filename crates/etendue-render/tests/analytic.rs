@@ -6,7 +6,8 @@ use etendue_color::Spectrum;
 use etendue_image::{Image, Pixels};
 use etendue_render::World;
 use etendue_scene::{
-    AlphaMode, Camera, Environment, Light, LightKind, Material, Sampler, Scene, Texture, TextureRef,
+    AlphaMode, Camera, Environment, Light, LightKind, LightProfile, Material, Sampler, Scene, Texture,
+    TextureRef, Web,
 };
 use glam::{Vec3, Vec3A};
 use std::f64::consts::PI;
@@ -149,6 +150,48 @@ fn punctual_lights_follow_their_laws() {
     expect("spot, aside", &at(Light { direction: aside, ..light(spot) }), point * fall, 1e-4);
     let off = Light { direction: Vec3::Y, ..light(spot) };
     assert_eq!(mean(&at(off)).0, 0.0);
+}
+
+/// A lamp that shines more to one side than to the other, among others that are as strong.
+#[test]
+fn measured_lamps_shine_as_they_were_measured() {
+    // 10 + angle from the aim + a tenth of the angle about it.
+    let vertical: Vec<f32> = (0..=18).map(|k| 10.0 * k as f32).collect();
+    let horizontal: Vec<f32> = (0..=12).map(|k| 30.0 * k as f32).collect();
+    let value = |v: f64, h: f64| 10.0 + v + 0.1 * h;
+    let candela =
+        horizontal.iter().flat_map(|h| vertical.iter().map(|v| value((*v).into(), (*h).into()) as f32));
+    let profile = LightProfile::new(Web::C, vertical.clone(), horizontal.clone(), candela.collect());
+    let profile = Arc::new(profile.expect("a profile"));
+    // At (1, 2, 0), aimed along −X; the origin is at 63.43° from that, downwards. Horizontal angle 0 is up (+Y), 90° is side × aim = +Z,
+    // so that down is 180°.
+    let lamp = Light {
+        direction: Vec3::NEG_X,
+        intensity: Vec3::splat(0.5),
+        ..light(LightKind::Profile { profile: 0, side: Vec3::Y })
+    };
+    let cos = 2.0 / 5f64.sqrt();
+    let expected = 0.5 * value(2f64.atan2(1.0).to_degrees(), 180.0) / 5.0 * cos / PI;
+    let (w, c) = floor(|s| {
+        s.profiles.push(profile.clone());
+        s.lights.push(lamp.clone());
+    });
+    expect("profile", &render(&w, &c, &settings(4, 1), 4), expected, 1e-4);
+    // Beside a point light, one of the two is drawn at a time.
+    let point = 5.0 / 5.0 * cos / PI;
+    let (w, c) = floor(|s| {
+        s.profiles.push(profile.clone());
+        s.lights.extend([light(LightKind::Point), lamp.clone()]);
+    });
+    expect("profile and point", &render(&w, &c, &settings(16, 1), 1024), expected + point, 3e-3);
+    // Turned about its aim by a quarter: the origin is at 270° then.
+    let side = Vec3::Z;
+    let (w, c) = floor(|s| {
+        s.profiles.push(profile.clone());
+        s.lights.push(Light { kind: LightKind::Profile { profile: 0, side }, ..lamp.clone() });
+    });
+    let turned = 0.5 * value(2f64.atan2(1.0).to_degrees(), 270.0) / 5.0 * cos / PI;
+    expect("profile, turned", &render(&w, &c, &settings(4, 1), 4), turned, 1e-4);
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod camera;
 mod environment;
 mod extensions;
 mod light;
+mod light_profile;
 mod material;
 mod mesh;
 mod scene;
@@ -22,6 +23,7 @@ pub use extensions::{
     Transmission, Volume,
 };
 pub use light::{Light, LightKind};
+pub use light_profile::{AimedProfile, LightProfile, Web};
 pub use material::{AlphaMode, Material, NormalTexture};
 pub use mesh::{Instance, Mesh};
 pub use scene::{Bounds, InvalidScene, Scene, Variant};

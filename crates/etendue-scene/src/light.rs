@@ -1,4 +1,4 @@
-//! Lights without a surface: `KHR_lights_punctual`.
+//! Lights without a surface: `KHR_lights_punctual`, `EXT_lights_ies`.
 
 use glam::Vec3;
 
@@ -16,6 +16,13 @@ pub enum LightKind {
         inner: f32,
         /// Where the light ends.
         outer: f32,
+    },
+    /// From a point, as a lamp was measured: `intensity` multiplies the candela of its profile.
+    Profile {
+        /// Index into [`crate::Scene::profiles`].
+        profile: u32,
+        /// Unit vector at a right angle to the light's direction, where the profile's horizontal angle 0 is.
+        side: Vec3,
     },
 }
 
@@ -44,6 +51,7 @@ impl Light {
     pub fn is_finite(&self) -> bool {
         let angles = match self.kind {
             LightKind::Spot { inner, outer } => inner.is_finite() && outer.is_finite(),
+            LightKind::Profile { side, .. } => side.is_finite(),
             _ => true,
         };
         angles

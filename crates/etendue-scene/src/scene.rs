@@ -1,6 +1,8 @@
 //! The scene: every part in one place, and the check that they fit together.
 
-use crate::{Camera, Environment, Instance, Light, Material, Mesh, Texture};
+use crate::{
+    AimedProfile, Camera, Environment, Instance, Light, LightKind, LightProfile, Material, Mesh, Texture,
+};
 use etendue_image::Image;
 use glam::Vec3A;
 use std::sync::Arc;
@@ -18,8 +20,10 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Decoded pictures, shared.
     pub images: Vec<Arc<Image>>,
-    /// Point, spot and directional lights.
+    /// Point, spot, directional and measured lights.
     pub lights: Vec<Light>,
+    /// How measured lamps shine, shared.
+    pub profiles: Vec<Arc<LightProfile>>,
     /// Cameras that the file brought along; may be empty.
     pub cameras: Vec<Camera>,
     /// Light from infinitely far away.
@@ -112,6 +116,13 @@ impl Scene {
         Ok(())
     }
 
+    /// How a measured lamp shines where it hangs; `None` for lights of other kinds.
+    pub fn aimed_profile(&self, light: &Light) -> Option<AimedProfile> {
+        let LightKind::Profile { profile, side } = light.kind else { return None };
+        let profile = self.profiles.get(profile as usize)?;
+        Some(AimedProfile::new(profile.clone(), light.direction, side))
+    }
+
     /// Number of triangles as rendered: each instance counts its mesh's.
     pub fn triangle_count(&self) -> u64 {
         self.instances.iter().map(|i| self.meshes[i.mesh as usize].indices.len() as u64).sum()
@@ -192,6 +203,11 @@ impl Scene {
         for (n, l) in self.lights.iter().enumerate() {
             if !l.is_finite() {
                 return err(format!("light {n} ({}): a value is not finite", l.name));
+            }
+            if let LightKind::Profile { profile, .. } = l.kind
+                && profile as usize >= self.profiles.len()
+            {
+                return err(format!("light {n} ({}): profile {profile} does not exist", l.name));
             }
         }
         Ok(())

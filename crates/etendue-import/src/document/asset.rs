@@ -2,6 +2,7 @@
 
 use super::name;
 use crate::error::Fault;
+use crate::extensions as ext;
 use crate::json::{Object, Reader};
 use serde_json::Value;
 
@@ -10,6 +11,8 @@ pub(crate) struct Asset<'v> {
     pub version: &'v str,
     pub generator: Option<&'v str>,
     pub copyright: Option<&'v str>,
+    /// Number of its packet of `KHR_xmp_json_ld`.
+    pub xmp: Option<u32>,
 }
 
 impl<'v> Asset<'v> {
@@ -35,6 +38,7 @@ impl<'v> Asset<'v> {
                 version,
                 generator: r.soft(o, "generator", Reader::string),
                 copyright: r.soft(o, "copyright", Reader::string),
+                xmp: r.extension(o, ext::XMP, |r, o| Ok(r.soft(o, "packet", Reader::index)))?.flatten(),
             })
         })
     }
@@ -57,12 +61,18 @@ fn unsupported(r: &Reader, key: &str, version: &str) -> Fault {
 pub(crate) struct Scene<'v> {
     pub name: &'v str,
     pub nodes: Vec<u32>,
+    /// `EXT_lights_image_based`.
+    pub image_light: Option<u32>,
 }
 
 impl<'v> Scene<'v> {
     pub fn read(r: &mut Reader<'v>, v: &'v Value) -> Result<Self, Fault> {
         let o = r.object(v)?;
-        r.other_extensions(o, &[]);
-        Ok(Self { name: name(r, o), nodes: r.list(o, "nodes", Reader::index)? })
+        r.other_extensions(o, &ext::ON_SCENE);
+        Ok(Self {
+            name: name(r, o),
+            nodes: r.list(o, "nodes", Reader::index)?,
+            image_light: r.extension(o, ext::LIGHTS_IMAGE_BASED, |r, o| r.req(o, "light", Reader::index))?,
+        })
     }
 }

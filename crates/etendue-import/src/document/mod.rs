@@ -7,18 +7,22 @@
 mod asset;
 mod data;
 mod geometry;
+mod ies;
 mod material;
 mod motion;
 mod node;
+mod sky;
 pub(crate) mod surface;
 mod variants;
 
 pub(crate) use asset::{Asset, Scene};
 pub(crate) use data::{Accessor, Buffer, BufferView, Component, Compressed, Shape, Sparse};
 pub(crate) use geometry::{Mesh, Mode, Primitive, Target};
+pub(crate) use ies::{IesLight, IesProfile};
 pub(crate) use material::{Image, Material, Sampler, Texture, TextureInfo};
 pub(crate) use motion::{Animation, Channel, Interpolation, Path, Skin};
 pub(crate) use node::{Camera, Light, LightShape, Local, Node, Projection};
+pub(crate) use sky::ImageLight;
 pub(crate) use surface::Surface;
 pub(crate) use variants::Mapping;
 
@@ -41,6 +45,12 @@ pub(crate) struct Document<'v> {
     pub samplers: Vec<Sampler>,
     pub cameras: Vec<Camera<'v>>,
     pub lights: Vec<Light<'v>>,
+    /// `EXT_lights_ies`.
+    pub ies_profiles: Vec<IesProfile<'v>>,
+    /// `EXT_lights_image_based`.
+    pub image_lights: Vec<ImageLight>,
+    /// Packets of `KHR_xmp_json_ld`.
+    pub xmp: Vec<&'v Value>,
     /// Names of `KHR_materials_variants`.
     pub variants: Vec<&'v str>,
     pub skins: Vec<Skin>,
@@ -69,6 +79,11 @@ impl<'v> Document<'v> {
             }
         }
         let lights = r.extension(o, extensions::LIGHTS_PUNCTUAL, |r, o| r.list(o, "lights", Light::read))?;
+        let ies_profiles =
+            r.extension(o, extensions::LIGHTS_IES, |r, o| r.list(o, "lights", IesProfile::read))?;
+        let image_lights =
+            r.extension(o, extensions::LIGHTS_IMAGE_BASED, |r, o| r.list(o, "lights", ImageLight::read))?;
+        let xmp = r.extension(o, extensions::XMP, |r, o| r.list(o, "packets", |_, v| Ok(v)))?;
         let variants = variants::names(r, o)?;
         r.other_extensions(o, &extensions::ON_ROOT);
         Ok(Self {
@@ -83,6 +98,9 @@ impl<'v> Document<'v> {
             samplers: r.list(o, "samplers", Sampler::read)?,
             cameras: r.list(o, "cameras", Camera::read)?,
             lights: lights.unwrap_or_default(),
+            image_lights: image_lights.unwrap_or_default(),
+            xmp: xmp.unwrap_or_default(),
+            ies_profiles: ies_profiles.unwrap_or_default(),
             variants,
             skins: r.list(o, "skins", Skin::read)?,
             animations: r.list(o, "animations", Animation::read)?,

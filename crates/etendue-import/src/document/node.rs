@@ -1,7 +1,7 @@
 //! `nodes`, `cameras`, and the lights of `KHR_lights_punctual`.
 
 use super::geometry::Attributes;
-use super::name;
+use super::{IesLight, name};
 use crate::error::Fault;
 use crate::extensions as ext;
 use crate::json::Reader;
@@ -28,6 +28,8 @@ pub(crate) struct Node<'v> {
     pub skin: Option<u32>,
     pub camera: Option<u32>,
     pub light: Option<u32>,
+    /// `EXT_lights_ies`.
+    pub ies: Option<IesLight>,
     /// Overrides the mesh's morph weights.
     pub weights: Option<Vec<f64>>,
     /// `None` is the identity.
@@ -68,6 +70,7 @@ impl<'v> Node<'v> {
             skin: r.opt(o, "skin", Reader::index)?,
             camera: r.opt(o, "camera", Reader::index)?,
             light: r.extension(o, ext::LIGHTS_PUNCTUAL, |r, o| r.req(o, "light", Reader::index))?,
+            ies: r.extension(o, ext::LIGHTS_IES, IesLight::read)?,
             weights: r.opt(o, "weights", |r, v| r.array(v, Reader::number))?,
             local,
             visible: r

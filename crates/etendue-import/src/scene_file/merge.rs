@@ -4,13 +4,14 @@ use crate::import::{ImageFile, Imported};
 use crate::info::Info;
 use crate::nodes::without_scale;
 use crate::warning::{Warning, Warnings};
-use etendue_scene::{Camera, Instance, Light, LightKind, Material, Scene, Variant};
-use glam::{Affine3A, DAffine3, DMat3, DVec3, Mat3A};
+use etendue_scene::{Camera, Environment, Instance, Light, LightKind, Material, Scene, Variant};
+use glam::{Affine3A, DAffine3, DMat3, DVec3, Mat3A, Vec3A};
 use std::ops::Range;
 
 /// What of a model is shared by all of its places, and what each place has anew.
 pub(crate) struct Part {
     first_mesh: u32,
+    first_profile: u32,
     materials: Vec<Material>,
     instances: Vec<Instance>,
     lights: Vec<Light>,
@@ -62,8 +63,17 @@ impl Union {
         }
         join(&mut self.info, model.info, label);
         let s = model.scene;
+        let first_profile = self.scene.profiles.len() as u32;
+        self.scene.profiles.extend(s.profiles);
+        // One sky shines on all: that of the first model that brings one.
+        if let (Environment::LatLong { .. }, Environment::Constant(_)) =
+            (&s.environment, &self.scene.environment)
+        {
+            self.scene.environment = s.environment;
+        }
         Part {
             first_mesh,
+            first_profile,
             materials: s.materials,
             instances: s.instances,
             lights: s.lights,
@@ -114,7 +124,7 @@ impl Union {
             self.scene.materials.push(Material::default());
         }
         for l in &part.lights {
-            match light(l, at) {
+            match light(l, at, part.first_profile) {
                 Some(l) => self.scene.lights.push(l),
                 None => {
                     self.warnings.add(label, format!("the light {:?} is left out: its model is flat", l.name))
@@ -134,13 +144,22 @@ impl Union {
 }
 
 /// A light of a model that stands at `at`. As in glTF, scale moves a light and does not change how bright it is.
-fn light(l: &Light, at: &Affine3A) -> Option<Light> {
+fn light(l: &Light, at: &Affine3A, first_profile: u32) -> Option<Light> {
     let direction = at.matrix3.as_dmat3() * l.direction.as_dvec3();
     let direction = match l.kind {
         LightKind::Point => l.direction,
         _ => (direction / direction.abs().max_element()).try_normalize()?.as_vec3(),
     };
-    let moved = Light { position: at.transform_point3(l.position), direction, ..l.clone() };
+    let kind = match l.kind {
+        LightKind::Profile { profile, side } => {
+            let side =
+                (at.matrix3 * Vec3A::from(side)).as_dvec3().reject_from_normalized(direction.as_dvec3());
+            let side = (side / side.abs().max_element()).try_normalize()?.as_vec3();
+            LightKind::Profile { profile: profile + first_profile, side }
+        }
+        other => other,
+    };
+    let moved = Light { position: at.transform_point3(l.position), direction, kind, ..l.clone() };
     moved.is_finite().then_some(moved)
 }
 

@@ -121,6 +121,11 @@ impl Document {
         self.push("bufferViews", v)
     }
 
+    /// Adds a file as it stands; the number of its view.
+    pub fn file(&mut self, bytes: &[u8]) -> usize {
+        self.view(bytes, None)
+    }
+
     /// Adds `N`-vectors of floats; returns their accessor.
     ///
     /// `vertices` says that they are attributes of vertices, `bounds` that their smallest and largest values are noted.

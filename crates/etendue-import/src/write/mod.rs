@@ -14,9 +14,10 @@ mod scene;
 pub use document::{Document, Sampling};
 
 use crate::ImageFile;
+use crate::extensions as ext;
 use etendue_image::{ImageError, PictureFormat, WriteOptions, encode_picture};
 use etendue_scene::Scene;
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// The two forms of a glTF file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,6 +38,10 @@ pub struct ExportOptions {
     pub copyright: Option<String>,
     /// Name of the scene.
     pub name: Option<String>,
+    /// Packets of JSON-LD about it (`KHR_xmp_json_ld`), as in [`crate::Info::xmp`].
+    pub xmp: Vec<Value>,
+    /// The packet that is about the whole file.
+    pub xmp_of_asset: Option<u32>,
 }
 
 /// A written file.
@@ -92,7 +97,16 @@ pub fn export(
     if let Some(c) = &options.copyright {
         doc.asset("copyright", json!(c));
     }
+    if !options.xmp.is_empty() {
+        doc.extension(ext::XMP, json!({ "packets": options.xmp }));
+        if let Some(packet) = options.xmp_of_asset {
+            doc.asset("extensions", json!({ ext::XMP: { "packet": packet } }));
+        }
+    }
     let mut notes = Vec::new();
+    if matches!(scene.environment, etendue_scene::Environment::LatLong { .. }) {
+        notes.push("the sky".to_owned());
+    }
     let textures = textures(scene, files, &mut doc)?;
     for m in &scene.materials {
         let value = material::json(m, &textures, &mut doc, &mut notes);

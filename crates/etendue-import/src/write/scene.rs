@@ -3,8 +3,9 @@
 use super::document::Document;
 use super::place::Place;
 use crate::extensions as ext;
+use crate::ies::write_ies;
 use etendue_scene::{Camera, Instance, Light, LightKind, Projection, Scene};
-use glam::{Affine3A, Mat3A, Quat, Vec3};
+use glam::{Affine3A, Mat3, Mat3A, Quat, Vec3};
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 
@@ -160,18 +161,49 @@ impl Nodes<'_> {
         if self.scene.lights.is_empty() {
             return;
         }
-        let list: Vec<_> = self.scene.lights.iter().map(light).collect();
-        self.doc.extension(ext::LIGHTS_PUNCTUAL, json!({ "lights": list }));
-        for (i, l) in self.scene.lights.iter().enumerate() {
+        let list: Vec<_> = self.scene.lights.iter().filter_map(light).collect();
+        if !list.is_empty() {
+            self.doc.extension(ext::LIGHTS_PUNCTUAL, json!({ "lights": list }));
+        }
+        self.profiles();
+        let mut punctual = 0;
+        for l in &self.scene.lights {
             // A light shines along −Z of its node.
-            let turn = Quat::from_rotation_arc(Vec3::NEG_Z, l.direction.normalize_or(Vec3::NEG_Z));
+            let aim = l.direction.normalize_or(Vec3::NEG_Z);
+            let (turn, extension) = match l.kind {
+                LightKind::Profile { profile, side } => {
+                    let turn = Quat::from_mat3(&Mat3::from_cols(side, side.cross(aim), -aim));
+                    let peak = l.intensity.max_element();
+                    let color = if peak > 0.0 { l.intensity / peak } else { Vec3::ONE };
+                    let lamp = json!({ "light": profile, "multiplier": peak, "color": color.to_array() });
+                    (turn, json!({ ext::LIGHTS_IES: lamp }))
+                }
+                _ => {
+                    punctual += 1;
+                    let turn = Quat::from_rotation_arc(Vec3::NEG_Z, aim);
+                    (turn, json!({ ext::LIGHTS_PUNCTUAL: { "light": punctual - 1 } }))
+                }
+            };
             let at = Affine3A { matrix3: Mat3A::from_quat(turn), translation: l.position.into() };
             let mut node = named(&l.name);
             node.extend(Place::of(&at).node());
-            node.insert("extensions".into(), json!({ ext::LIGHTS_PUNCTUAL: { "light": i } }));
+            node.insert("extensions".into(), extension);
             let number = self.doc.node(Value::Object(node));
             self.roots.push(number);
         }
+    }
+
+    /// How measured lamps shine, as files in the buffer.
+    fn profiles(&mut self) {
+        if self.scene.profiles.is_empty() {
+            return;
+        }
+        let mut list = Vec::new();
+        for p in &self.scene.profiles {
+            let view = self.doc.file(write_ies(p).as_bytes());
+            list.push(json!({ "bufferView": view, "mimeType": "application/x-ies-lm-63" }));
+        }
+        self.doc.extension(ext::LIGHTS_IES, json!({ "lights": list }));
     }
 
     fn camera(&mut self, c: &Camera) {
@@ -215,7 +247,8 @@ fn named(name: &str) -> Map<String, Value> {
     out
 }
 
-fn light(l: &Light) -> Value {
+/// The light as `KHR_lights_punctual` has it; `None` for a measured one.
+fn light(l: &Light) -> Option<Value> {
     let mut out = named(&l.name);
     let intensity = l.intensity.max_element();
     if intensity > 0.0 {
@@ -232,7 +265,8 @@ fn light(l: &Light) -> Value {
             out.insert("spot".into(), json!({ "innerConeAngle": inner, "outerConeAngle": outer }));
             "spot"
         }
+        LightKind::Profile { .. } => return None,
     };
     out.insert("type".into(), json!(kind));
-    Value::Object(out)
+    Some(Value::Object(out))
 }

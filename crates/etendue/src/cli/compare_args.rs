@@ -167,7 +167,8 @@ impl CompareArgs {
 }
 
 /// Fields of [`ModelArgs`].
-const OF_MODELS: [&str; 23] = [
+const OF_MODELS: [&str; 24] = [
+    "light",
     "env",
     "env_layout",
     "env_rotation",

@@ -21,8 +21,13 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<(), CliError> {
     };
     super::target::check_writable(&args.output)?;
     let model = load::model_with_files(args.model.as_deref(), args.at, &args.limits)?;
-    let options =
-        ExportOptions { form, copyright: model.info.copyright.clone(), name: model.info.scene.clone() };
+    let options = ExportOptions {
+        form,
+        copyright: model.info.copyright.clone(),
+        name: model.info.scene.clone(),
+        xmp: model.info.xmp.clone(),
+        xmp_of_asset: model.info.xmp_of_asset,
+    };
     let file =
         export(&model.scene, &model.image_files, &options).map_err(|e| CliError::Other(e.to_string()))?;
     write_atomic::<std::io::Error>(&args.output, |w| w.write_all(&file.bytes))

@@ -43,6 +43,28 @@ pub(crate) fn table(out: &mut String, title: &str, rows: &[Vec<String>]) {
     }
 }
 
+/// A packet of metadata: its number, what it is about, and its properties.
+fn xmp_row(i: usize, packet: &serde_json::Value, of_asset: Option<u32>) -> Vec<String> {
+    let about = if of_asset == Some(i as u32) { "the file" } else { "a part" };
+    let said = packet.as_object().into_iter().flatten().filter(|(k, _)| !k.starts_with('@'));
+    let said: Vec<_> = said.map(|(k, v)| format!("{k} {}", xmp_value(v))).collect();
+    vec![i.to_string(), about.into(), said.join("; ")]
+}
+
+/// A value of JSON-LD without its scaffolding.
+fn xmp_value(v: &serde_json::Value) -> String {
+    use serde_json::Value;
+    match v {
+        Value::String(s) => s.clone(),
+        Value::Array(a) => a.iter().map(xmp_value).collect::<Vec<_>>().join(", "),
+        Value::Object(o) => {
+            let inner = ["@value", "@list", "@set", "rdf:_1"].iter().find_map(|k| o.get(*k));
+            inner.map_or_else(|| v.to_string(), xmp_value)
+        }
+        other => other.to_string(),
+    }
+}
+
 fn text(imported: &Imported) -> String {
     let (info, c) = (&imported.info, &imported.info.counts);
     let mut out = String::new();
@@ -200,6 +222,9 @@ fn text(imported: &Imported) -> String {
         })
         .collect();
     table(&mut out, "variants", &rows);
+    let rows: Vec<_> =
+        info.xmp.iter().enumerate().map(|(i, packet)| xmp_row(i, packet, info.xmp_of_asset)).collect();
+    table(&mut out, "metadata (XMP)", &rows);
     let rows: Vec<_> = info
         .cameras
         .iter()

@@ -4,7 +4,7 @@ use super::args::RenderArgs;
 use super::limit_args::LimitArgs;
 use super::loading::Loading;
 use super::material::{Replacement, compensate};
-use super::{CliError, note_line};
+use super::{CliError, lamp, note_line};
 use crate::builtin;
 use crate::image::{SkyLayout, read_environment_as};
 use crate::import::scene_file::is_scene_file;
@@ -41,7 +41,15 @@ pub(crate) fn scene(args: &RenderArgs) -> Result<(Scene, Vec<String>), CliError>
     let options = ImportOptions { progress: Some(loading.progress()), ..options(args) };
     let imported = read(args.model.as_deref(), &options, args.variant.as_deref())?;
     drop(loading);
-    let (environment, notes) = environment(args)?;
+    let (environment, notes) = match imported.scene.environment.clone() {
+        // The model's own sky, unless another is asked for.
+        Environment::LatLong { image, rotation, intensity } if args.sky.env.is_none() => {
+            let rotation = rotation + args.sky.env_rotation.to_radians();
+            let sky = Environment::LatLong { image, rotation, intensity: intensity * args.sky.env_intensity };
+            (sky, Vec::new())
+        }
+        _ => environment(args)?,
+    };
     let warnings: Vec<String> = imported.warnings.iter().map(ToString::to_string).chain(notes).collect();
     if !args.quiet {
         warnings.iter().for_each(|w| note_line(&format!("warning: {w}")));
@@ -56,6 +64,11 @@ pub(crate) fn dress(
     args: &RenderArgs,
 ) -> Result<Scene, CliError> {
     scene.environment = environment;
+    for note in lamp::add(&mut scene, &args.sky.light)? {
+        if !args.quiet {
+            note_line(&format!("warning: {note}"));
+        }
+    }
     if let Some(name) = &args.variant {
         scene.select_variant(name).map_err(CliError::Usage)?;
     }

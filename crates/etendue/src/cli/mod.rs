@@ -19,6 +19,7 @@ mod goal;
 mod info;
 mod lab;
 mod lab_args;
+mod lamp;
 mod limit_args;
 mod load;
 mod loading;

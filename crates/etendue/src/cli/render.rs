@@ -9,7 +9,7 @@ use super::sequence::Clock;
 use super::shot::Shot;
 use super::stage::{self, Stage};
 use super::work::{Job, listen_for_interrupts};
-use super::{CliError, frames, load, realtime, resume, scene_file, target};
+use super::{CliError, frames, lamp, load, realtime, resume, scene_file, target};
 use crate::render::{Counters, Film, FilmInfo, PassSet, PathOptions, Renderer, Settings, World, id_names};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -227,6 +227,7 @@ fn film_info(args: &RenderArgs, output: &Path, shot: &Shot, names: &[Vec<String>
         .sky
         .env
         .map(|e| if Path::new(&e).is_file() { absolute(Path::new(&e)).display().to_string() } else { e });
+    stored.sky.light.iter_mut().for_each(|l| *l = lamp::absolute(l));
     let command: Vec<String> = std::env::args_os().map(|a| shell_word(&a.to_string_lossy())).collect();
     let mut entries = notes([
         (ARGUMENTS, serde_json::to_string(&stored).unwrap_or_default()),

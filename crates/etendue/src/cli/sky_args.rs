@@ -1,4 +1,4 @@
-//! What can be said of the sky.
+//! What can be said of the sky and of lamps.
 
 use super::values::{finite, non_negative};
 use crate::image::SkyLayout;
@@ -27,6 +27,15 @@ pub(crate) struct SkyArgs {
     /// Multiply the sky
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true, value_parser = non_negative, help_heading = "Scene")]
     pub env_intensity: f32,
+    /// Hang up a lamp with a measured profile (.ies), metres; it shines downwards unless it is turned (repeatable), e.g. spot.ies@0,2.5,0:scale=0.1
+    #[arg(
+        long,
+        value_name = "FILE@X,Y,Z[:toward=X,Y,Z][:scale=N]",
+        allow_hyphen_values = true,
+        help_heading = "Scene"
+    )]
+    #[serde(default)]
+    pub light: Vec<String>,
 }
 
 /// Layouts as their names.
