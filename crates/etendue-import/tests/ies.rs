@@ -114,7 +114,7 @@ fn broken_files_are_told_so() {
     for (bad, line, message) in [
         (String::new(), 0, "no line `TILT=`"),
         ("IESNA91\nnothing\n".into(), 2, "no line `TILT=`"),
-        (good.replace("0 90 180", "0 90"), 6, "outside of"),
+        (good.replace("0 90 180", "0 90"), 7, "ends"),
         (good.replace("0 90 180", "0 x 180"), 5, "`x` is no number"),
         (good.replace("1 1000 1 3", "1 1000 1 30000000"), 3, "number of vertical angles is 30000000"),
         (good.replace("1 1000 1 3", "1 1000 0 3"), 4, "factors"),

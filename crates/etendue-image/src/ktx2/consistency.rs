@@ -146,7 +146,15 @@ fn format(c: &Container<'_>, d: &Descriptor) -> Result<(), ImageError> {
         (Some(_), _) => return contradiction(),
         (None, Model::Bc6h) if !matches!(c.format, 143 | 144) => return contradiction(),
         (None, Model::Plain) if (124..=184).contains(&c.format) => return contradiction(),
-        (None, Model::Plain) if c.format != 0 => None,
+        (None, Model::Plain) if c.format != 0 => match c.format {
+            // Samples of ten and twelve bits in words of two bytes; their neighbours are of several planes or half the chroma.
+            1_000_156_007..=1_000_156_009 | 1_000_156_017..=1_000_156_019 => Some(2),
+            1_000_156_000..=1_000_156_033 => return contradiction(),
+            // Sixteen bits with alpha first, and alpha alone.
+            1_000_340_000 | 1_000_340_001 | 1_000_470_000 => Some(2),
+            1_000_470_001 => Some(1),
+            _ => None,
+        },
         (None, _) => Some(1),
     };
     match unit {

@@ -60,6 +60,15 @@ impl Descriptor {
         if vendor != 0 {
             return bad("is not the basic one");
         }
+        // What may follow the basic block is not looked at, but it has to be blocks.
+        let mut more = &bytes[4 + size..];
+        while !more.is_empty() {
+            let length = more.get(6..8).map_or(0, |b| usize::from(u16::from_le_bytes([b[0], b[1]])));
+            match more.get(length..) {
+                Some(rest) if length >= 8 => more = rest,
+                _ => return bad("has a further block of an impossible size"),
+            }
+        }
         if version & 0xffff != 2 {
             return Err(ImageError::unsupported(F, format!("a descriptor of version {}", version & 0xffff)));
         }
