@@ -126,6 +126,16 @@ fn format(c: &Container<'_>, d: &Descriptor) -> Result<(), ImageError> {
     if c.format > i32::MAX as u32 {
         return bad(format!("{:#x} is no format", c.format));
     }
+    // "Prohibited formats" (KTX 2.0, table 1): whole numbers as floats, which no descriptor can say.
+    let scaled = match c.format {
+        9..=57 => matches!((c.format - 9) % 7, 2 | 3),
+        58..=69 => matches!((c.format - 58) % 6, 2 | 3),
+        70..=97 => matches!((c.format - 70) % 7, 2 | 3),
+        _ => false,
+    };
+    if scaled {
+        return bad(format!("the format {} is not for KTX 2", c.format));
+    }
     let blocks = d.model != Model::Plain;
     if blocks && (!p.has_height || !p.has_levels) {
         return bad("blocks of texels without a height or without mips");
