@@ -184,13 +184,13 @@ fn measured_lamps_shine_as_they_were_measured() {
         s.lights.extend([light(LightKind::Point), lamp.clone()]);
     });
     expect("profile and point", &render(&w, &c, &settings(16, 1), 1024), expected + point, 3e-3);
-    // Turned about its aim by a quarter: the origin is at 270° then.
+    // Turned about its aim by a quarter: 90° is side × aim = −Y, where the origin is.
     let side = Vec3::Z;
     let (w, c) = floor(|s| {
         s.profiles.push(profile.clone());
         s.lights.push(Light { kind: LightKind::Profile { profile: 0, side }, ..lamp.clone() });
     });
-    let turned = 0.5 * value(2f64.atan2(1.0).to_degrees(), 270.0) / 5.0 * cos / PI;
+    let turned = 0.5 * value(2f64.atan2(1.0).to_degrees(), 90.0) / 5.0 * cos / PI;
     expect("profile, turned", &render(&w, &c, &settings(4, 1), 4), turned, 1e-4);
 }
 
