@@ -55,8 +55,8 @@ fn expect_row(film: &Film, what: &str, f: impl Fn(f64) -> f64) {
         let mean =
             (0..100).map(|k| f(-1.6 + 0.1 * (i as f64 + (k as f64 + 0.5) / 100.0))).sum::<f64>() / 100.0;
         let seen = f64::from(film.mean(i, 1));
-        // Stratified moments err by less than two strata; the place within the pixel adds its own error.
-        assert!((seen - mean).abs() < 0.015, "{what}, pixel {i}: {seen}, and {mean} is expected");
+        // While an edge crosses the pixel, for about a sixth of the samples, chance decides what is seen: σ is 0.0075.
+        assert!((seen - mean).abs() < 0.03, "{what}, pixel {i}: {seen}, and {mean} is expected");
     }
 }
 
