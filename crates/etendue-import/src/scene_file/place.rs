@@ -148,8 +148,11 @@ fn rotation(v: &Value) -> Quat {
             }
         }
         v => {
-            // Whole turns taken away first: the platform's sine is only good near the origin.
-            let [x, y, z] = v.numbers::<3>().map(|d| (d % 360.0).to_radians());
+            // Whole turns taken away first, while the digits are there: sines are only good near the origin.
+            let [x, y, z] = [0, 1, 2].map(|i| match v {
+                Value::Numbers(n) => n.get(i).map_or(0.0, |d| (d % 360.0).to_radians() as f32),
+                _ => 0.0,
+            });
             Quat::from_rotation_z(z) * Quat::from_rotation_y(y) * Quat::from_rotation_x(x)
         }
     }
