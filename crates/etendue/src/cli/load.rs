@@ -41,20 +41,29 @@ pub(crate) fn scene(args: &RenderArgs) -> Result<(Scene, Vec<String>), CliError>
     let options = ImportOptions { progress: Some(loading.progress()), ..options(args) };
     let imported = read(args.model.as_deref(), &options, args.variant.as_deref())?;
     drop(loading);
-    let (environment, notes) = match imported.scene.environment.clone() {
-        // The model's own sky, unless another is asked for.
-        Environment::LatLong { image, rotation, intensity } if args.sky.env.is_none() => {
-            let rotation = rotation + args.sky.env_rotation.to_radians();
-            let sky = Environment::LatLong { image, rotation, intensity: intensity * args.sky.env_intensity };
-            (sky, Vec::new())
-        }
-        _ => environment(args)?,
+    let (environment, notes) = match own_sky(&imported.scene.environment, args) {
+        Some(sky) => (sky, Vec::new()),
+        None => environment(args)?,
     };
     let warnings: Vec<String> = imported.warnings.iter().map(ToString::to_string).chain(notes).collect();
     if !args.quiet {
         warnings.iter().for_each(|w| note_line(&format!("warning: {w}")));
     }
     Ok((dress(imported.scene, environment, args)?, warnings))
+}
+
+/// The sky that a model brings along, turned and multiplied as the arguments say; `None` if it brings none, or they name another.
+pub(crate) fn own_sky(sky: &Environment, args: &RenderArgs) -> Option<Environment> {
+    match sky {
+        Environment::LatLong { image, rotation, intensity } if args.sky.env.is_none() => {
+            Some(Environment::LatLong {
+                image: image.clone(),
+                rotation: rotation + args.sky.env_rotation.to_radians(),
+                intensity: intensity * args.sky.env_intensity,
+            })
+        }
+        _ => None,
+    }
 }
 
 /// The scene of a model under a sky, with the materials that the arguments ask for.

@@ -113,7 +113,8 @@ impl<'a> Stage<'a> {
     pub fn scene(&self, at: Option<f64>) -> Result<Scene, CliError> {
         let imported = self.imported(at)?;
         imported.warnings.iter().for_each(|w| self.warn(w.to_string()));
-        load::dress(imported.scene, self.environment.clone(), self.args)
+        let sky = load::own_sky(&imported.scene.environment, self.args);
+        load::dress(imported.scene, sky.unwrap_or_else(|| self.environment.clone()), self.args)
     }
 
     /// Scene and camera at a time, and the picture's size.
