@@ -127,10 +127,10 @@ fn required_extensions() {
             m.error().contains(&format!("/extensionsRequired: requires {name}, which is not supported yet"))
         );
     }
-    m.json["extensionsRequired"] = json!(["KHR_materials_ior", "KHR_xmp_json_ld"]);
+    m.json["extensionsRequired"] = json!(["KHR_materials_ior", "KHR_xmp_json_ld", "KHR_xmp"]);
     let i = m.import();
     assert_eq!(i.warnings.len(), 1);
-    assert!(warned(&i, "KHR_xmp_json_ld is required but not supported yet"));
+    assert!(warned(&i, "KHR_xmp is required but not supported yet"));
 }
 
 #[test]
