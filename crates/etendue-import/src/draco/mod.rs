@@ -184,3 +184,24 @@ fn write(out: &mut Vec<u8>, component: Component, v: f64) {
         Component::F32 => out.extend((v as f32).to_le_bytes()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integers_become_fractions_only_if_they_are_meant_as_such() {
+        // glTF 2.0, section 3.11: signed c / 127 but no less than −1, unsigned c / 255.
+        assert_eq!(read(DataType::Int8, &[127], true), 1.0);
+        assert_eq!(read(DataType::Int8, &[0x80], true), -1.0);
+        assert_eq!(read(DataType::Int8, &[0x80], false), -128.0);
+        assert_eq!(read(DataType::Uint8, &[255], true), 1.0);
+        assert_eq!(read(DataType::Uint8, &[51], true), 0.2);
+        assert_eq!(read(DataType::Uint16, &[0xff, 0xff], true), 1.0);
+        assert_eq!(read(DataType::Int16, &[0xfe, 0xff], false), -2.0);
+        assert_eq!(read(DataType::Float32, &0.25f32.to_le_bytes(), true), 0.25);
+        let mut out = Vec::new();
+        write(&mut out, Component::F32, read(DataType::Uint16, &[0xff, 0x7f], false));
+        assert_eq!(out, 32767.0f32.to_le_bytes());
+    }
+}
