@@ -71,6 +71,7 @@ fn random(rng: &mut Rng) -> GltfParams {
         dispersion: sometimes(rng),
         diffuse_transmission: sometimes(rng),
         diffuse_transmission_color: colour(rng),
+        diffuse_roughness: sometimes(rng),
         compensation: way(rng),
     }
 }

@@ -47,9 +47,10 @@ pub(crate) struct Changed<'v> {
 }
 
 impl<'v> Changed<'v> {
-    /// Reads the objects again. What is odd about them otherwise has been said of the document.
-    pub fn read(objects: &'v [(Owner, Value)]) -> Result<Self, Fault> {
-        let mut r = Reader::new(Warnings::default());
+    /// Reads the objects again, `drafts` of extensions too if they are asked for. What is odd about them otherwise has been said
+    /// of the document.
+    pub fn read(objects: &'v [(Owner, Value)], drafts: bool) -> Result<Self, Fault> {
+        let mut r = Reader::new(Warnings::default(), drafts);
         let mut out = Self::default();
         for (owner, v) in objects {
             match *owner {

@@ -6,6 +6,7 @@ use crate::warning::Warnings;
 pub(crate) const ANIMATION_POINTER: &str = "KHR_animation_pointer";
 pub(crate) const ANISOTROPY: &str = "KHR_materials_anisotropy";
 pub(crate) const CLEARCOAT: &str = "KHR_materials_clearcoat";
+pub(crate) const DIFFUSE_ROUGHNESS: &str = "KHR_materials_diffuse_roughness";
 pub(crate) const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
 pub(crate) const DISPERSION: &str = "KHR_materials_dispersion";
 pub(crate) const DRACO: &str = "KHR_draco_mesh_compression";
@@ -39,13 +40,14 @@ pub(crate) const ON_BUFFER_VIEW: [&str; 2] = [EXT_MESHOPT, KHR_MESHOPT];
 pub(crate) const ON_ROOT: [&str; 4] = [LIGHTS_IES, LIGHTS_IMAGE_BASED, LIGHTS_PUNCTUAL, VARIANTS];
 pub(crate) const ON_SCENE: [&str; 1] = [LIGHTS_IMAGE_BASED];
 pub(crate) const ON_PRIMITIVE: [&str; 2] = [DRACO, VARIANTS];
-pub(crate) const ON_MATERIAL: [&str; 13] = [
+pub(crate) const ON_MATERIAL: [&str; 14] = [
     UNLIT,
     EMISSIVE_STRENGTH,
     IOR,
     SPECULAR,
     ANISOTROPY,
     CLEARCOAT,
+    DIFFUSE_ROUGHNESS,
     DIFFUSE_TRANSMISSION,
     DISPERSION,
     IRIDESCENCE,
@@ -55,9 +57,10 @@ pub(crate) const ON_MATERIAL: [&str; 13] = [
     VOLUME,
 ];
 /// Those that describe what `etendue_scene::Extensions` holds.
-pub(crate) const ON_SURFACE: [&str; 9] = [
+pub(crate) const ON_SURFACE: [&str; 10] = [
     ANISOTROPY,
     CLEARCOAT,
+    DIFFUSE_ROUGHNESS,
     DIFFUSE_TRANSMISSION,
     DISPERSION,
     IRIDESCENCE,
@@ -76,6 +79,9 @@ pub enum Support {
     Full,
     /// With exceptions, which warnings name.
     Partly,
+    /// It is a draft that may still change: read as it stood when this was written, if
+    /// [`ImportOptions::drafts`](crate::ImportOptions::drafts) asks for it, and otherwise ignored.
+    Draft,
     /// Its data are skipped; the picture is made without it.
     Ignored,
     /// Its data cannot be skipped: a file that requires it is refused.
@@ -87,6 +93,7 @@ const TABLE: &[(&str, Support)] = &[
     (ANIMATION_POINTER, Support::Full),
     (ANISOTROPY, Support::Full),
     (CLEARCOAT, Support::Full),
+    (DIFFUSE_ROUGHNESS, Support::Draft),
     (DIFFUSE_TRANSMISSION, Support::Full),
     (DISPERSION, Support::Full),
     (DRACO, Support::Full),
@@ -121,9 +128,25 @@ pub fn support(name: &str) -> Option<Support> {
     TABLE.iter().find(|(n, _)| *n == name).map(|&(_, s)| s)
 }
 
-/// Refuses a file that requires what cannot be left out. An extension that only refines the look is let through with
-/// a warning: a picture that says what it lacks serves better than none.
-pub(crate) fn check_required(required: &[&str], warnings: &mut Warnings) -> Result<(), Fault> {
+/// True if the extension `name` is a draft that is known.
+pub(crate) fn is_draft(name: &str) -> bool {
+    support(name) == Some(Support::Draft)
+}
+
+/// How drafts are asked for.
+pub(crate) const SWITCH: &str = "--drafts (in the library ImportOptions::drafts)";
+
+/// Refuses a file that requires what cannot be left out, or a draft if `drafts` are not asked for. An extension that only refines
+/// the look is let through with a warning: a picture that says what it lacks serves better than none.
+pub(crate) fn check_required(required: &[&str], drafts: bool, warnings: &mut Warnings) -> Result<(), Fault> {
+    let pending: Vec<&str> = required.iter().copied().filter(|n| !drafts && is_draft(n)).collect();
+    if !pending.is_empty() {
+        return Err(Fault::Unsupported {
+            pointer: "/extensionsRequired".into(),
+            what: pending.join(", "),
+            hint: format!("; what is still a draft is read only with {SWITCH}"),
+        });
+    }
     let refused: Vec<&str> = required
         .iter()
         .copied()

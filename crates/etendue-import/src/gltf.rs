@@ -104,7 +104,7 @@ impl<'f> Gltf<'f> {
         let limits = &options.limits;
         // Its warnings are those of `text`.
         let parts = glb::split(bytes, &mut Warnings::default())?;
-        let mut reader = Reader::new(text.warnings.clone());
+        let mut reader = Reader::new(text.warnings.clone(), options.drafts);
         let mut doc = Document::read(&mut reader, &text.tree, limits)?;
         let mut warnings = reader.warnings;
         let hierarchy = Hierarchy::new(&doc, limits)?;
@@ -174,7 +174,7 @@ impl<'f> Gltf<'f> {
         let globals = self.hierarchy.globals(&locals);
 
         let objects = pose.changes.objects(&self.text.tree, &mut warnings);
-        let changed = Changed::read(&objects)?;
+        let changed = Changed::read(&objects, doc.drafts)?;
         let hidden = self.hierarchy.hidden(|i| pose.visible(doc, i));
         let budget = self.budget.clone();
         let mut plan = Plan::new(accessors, &pose, &changed, &globals, self.occlusion, budget, warnings);

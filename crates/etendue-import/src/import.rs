@@ -24,6 +24,9 @@ pub struct ImportOptions {
     pub occlusion: bool,
     /// Whether [`Imported::image_files`] is filled: for those who write the pictures again.
     pub image_files: bool,
+    /// Whether drafts of extensions are read ([`Support::Draft`](crate::Support::Draft)): they may still change, and then the
+    /// picture does. Without it they are ignored with a warning, and a file that requires one is refused.
+    pub drafts: bool,
     /// Bounds on memory.
     pub limits: Limits,
     /// Where the import tells how far it is, if somebody wants to know.
@@ -37,6 +40,7 @@ impl Default for ImportOptions {
             animation: AnimationChoice::First,
             occlusion: true,
             image_files: false,
+            drafts: false,
             limits: Limits::default(),
             progress: None,
         }

@@ -3,7 +3,7 @@
 use crate::assemble::Facts;
 use crate::buffers::Buffers;
 use crate::document::{Accessor, Document, LightShape, Mode, Projection};
-use crate::extensions::{Support, support};
+use crate::extensions::{Support, is_draft, support};
 use crate::sizes::Sizes;
 use crate::texture::Decoded;
 use crate::unusual;
@@ -103,8 +103,10 @@ pub struct ExtensionInfo {
     pub name: String,
     /// Whether the file says that it cannot be shown without.
     pub required: bool,
-    /// How far it is supported; `None` if it is unknown.
+    /// How far it is supported; `None` if it is unknown. A draft that was not asked for is ignored.
     pub support: Option<Support>,
+    /// Whether it is a draft, which may still change.
+    pub draft: bool,
 }
 
 /// A mesh of the file.
@@ -419,10 +421,12 @@ fn extensions(doc: &Document<'_>) -> Vec<ExtensionInfo> {
             *entry |= is_required;
         }
     }
-    order
-        .into_iter()
-        .map(|n| ExtensionInfo { name: n.to_owned(), required: required[n], support: support(n) })
-        .collect()
+    let info = |n: &str| {
+        let (support, draft) = (support(n), is_draft(n));
+        let support = if draft && !doc.drafts { Some(Support::Ignored) } else { support };
+        ExtensionInfo { name: n.to_owned(), required: required[n], support, draft }
+    };
+    order.into_iter().map(info).collect()
 }
 
 fn mesh(doc: &Document<'_>, m: &crate::document::Mesh<'_>) -> MeshInfo {

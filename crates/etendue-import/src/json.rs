@@ -1,7 +1,7 @@
 //! Reading typed values out of a JSON tree, knowing at every moment where in it one stands.
 
 use crate::error::Fault;
-use crate::extensions::XMP;
+use crate::extensions::{SWITCH, XMP, is_draft};
 use crate::warning::Warnings;
 use serde_json::{Map, Value};
 
@@ -20,6 +20,8 @@ pub(crate) struct Reader<'v> {
     path: Vec<Step<'v>>,
     /// What was odd but harmless.
     pub warnings: Warnings,
+    /// Whether drafts of extensions are read.
+    pub drafts: bool,
 }
 
 /// How one kind of value is read.
@@ -74,8 +76,8 @@ fn kind(v: &Value) -> &'static str {
 }
 
 impl<'v> Reader<'v> {
-    pub fn new(warnings: Warnings) -> Self {
-        Self { path: Vec::new(), warnings }
+    pub fn new(warnings: Warnings, drafts: bool) -> Self {
+        Self { path: Vec::new(), warnings, drafts }
     }
 
     /// The current place as a JSON pointer.
@@ -240,13 +242,16 @@ impl<'v> Reader<'v> {
             .map_err(|_| self.fault(format!("{N} numbers are needed, not {}", a.len())))
     }
 
-    /// Reads the extension `name` of the object `o`, if it is used there.
+    /// Reads the extension `name` of the object `o`, if it is used there (and asked for, if it is a draft).
     pub fn extension<T>(
         &mut self,
         o: &'v Object,
         name: &'static str,
         f: impl FnOnce(&mut Self, &'v Object) -> Result<T, Fault>,
     ) -> Result<Option<T>, Fault> {
+        if !self.drafts && is_draft(name) {
+            return Ok(None);
+        }
         Ok(self
             .opt(o, "extensions", |r, v| {
                 let e = r.object(v)?;
@@ -261,10 +266,16 @@ impl<'v> Reader<'v> {
     /// Warns of every extension of `o` that is not in `known`.
     pub fn other_extensions(&mut self, o: &'v Object, known: &[&str]) {
         let Some(Value::Object(e)) = o.get("extensions") else { return };
-        for name in e.keys().filter(|n| !known.contains(&n.as_str()) && *n != XMP) {
+        let drafts = self.drafts;
+        let read = |n: &String| known.contains(&n.as_str()) && (drafts || !is_draft(n));
+        for name in e.keys().filter(|n| !read(n) && *n != XMP) {
             self.path.push(Step::Key("extensions"));
             self.path.push(Step::Key(name));
-            self.warn(format!("{name} is not supported yet; ignored"));
+            self.warn(if is_draft(name) && !drafts {
+                format!("{name} is a draft; ignored without {SWITCH}")
+            } else {
+                format!("{name} is not supported yet; ignored")
+            });
             self.path.truncate(self.path.len() - 2);
         }
     }

@@ -43,6 +43,7 @@ mod clean;
 mod document;
 mod door;
 pub mod draco;
+mod drafts;
 mod error;
 mod extensions;
 mod geometry;

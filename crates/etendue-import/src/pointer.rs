@@ -58,6 +58,7 @@ const MATERIAL: &[Known] = &[
     (ext::CLEARCOAT, "clearcoatFactor", 1),
     (ext::CLEARCOAT, "clearcoatRoughnessFactor", 1),
     ("clearcoatNormalTexture", "scale", 1),
+    (ext::DIFFUSE_ROUGHNESS, "diffuseRoughnessFactor", 1),
     (ext::DIFFUSE_TRANSMISSION, "diffuseTransmissionFactor", 1),
     (ext::DIFFUSE_TRANSMISSION, "diffuseTransmissionColorFactor", 3),
     (ext::DISPERSION, "dispersion", 1),

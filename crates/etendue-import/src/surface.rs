@@ -4,6 +4,7 @@
 //! ones for every material.
 
 use crate::document::{self, Surface};
+use crate::drafts;
 use crate::error::Fault;
 use crate::extensions as ext;
 use crate::material::{Base, LARGEST, POSITIVE, Parts, UNIT};
@@ -92,6 +93,8 @@ pub(crate) fn convert(
             out.dispersion = dispersion;
         }
     }
+    p.pointer = material;
+    drafts::convert(&s.drafts, &mut out, p)?;
     let extensions = (out != Extensions::default()).then(|| Box::new(out));
     Ok(Converted { base: None, extensions })
 }
@@ -242,5 +245,6 @@ impl Surface {
             || self.sheen.is_some()
             || self.transmission.is_some()
             || self.volume.is_some()
+            || !self.drafts.is_empty()
     }
 }

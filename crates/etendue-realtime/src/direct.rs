@@ -58,7 +58,7 @@ pub(crate) fn pair(s: &Surface, wi: Vec3A, choices: &Choices) -> Option<Pair> {
             kd * (bend(wo.z) * bend(wi.z))
         }
     };
-    let mut diffuse = s.matte[0] * kd * over_pi(choices);
+    let mut diffuse = s.matte_at(0, wi) * kd * over_pi(choices);
     if let Some(layers) = &s.layers {
         specular *= s.specular_below(wi);
         if let Some(coat) = &layers.coat {
@@ -78,7 +78,7 @@ pub(crate) fn from_behind(s: &Surface, wi: Vec3A, choices: &Choices) -> Option<[
     }
     let up = vec3a(wi.x, wi.y, -wi.z);
     let f = s.fresnel(s.gloss.wo.z, schlick_weight(s.gloss.wo.z));
-    let diffuse = s.matte[1] * coupled(s, up, f, choices) * over_pi(choices);
+    let diffuse = s.matte_at(1, up) * coupled(s, up, f, choices) * over_pi(choices);
     Some([diffuse, s.passing.as_ref().map_or(Spectrum::ZERO, |p| p.eval(s, up))])
 }
 

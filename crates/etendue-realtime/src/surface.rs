@@ -7,6 +7,7 @@ use crate::inputs::{Inputs, Part};
 use crate::layers::Layers;
 use crate::transmit::Passing;
 use crate::zonal::{Bands, quadrature_bands};
+use etendue_bxdf::diffuse::eon::Eon;
 use etendue_bxdf::fresnel::{f0_from_ior, schlick_weight};
 use etendue_bxdf::ggx::ALPHA_DELTA;
 use etendue_bxdf::math::sin_cos_tau;
@@ -37,8 +38,11 @@ pub(crate) struct Surface {
     pub entering: f32,
     /// Bands of cosine × what reaches the diffuse part, where layers or a film make these other than the base's own.
     pub bands: Option<Bands>,
-    /// Colour of the diffuse part on the near side and on the far side: albedo, not yet over π.
+    /// Colour of the diffuse part on the near side and on the far side: albedo, not yet over π; of a rough one as it is seen from
+    /// `wo` under even light.
     pub matte: [Spectrum; 2],
+    /// The lobes of a rough diffuse part on either side.
+    pub rough: Option<[Eon; 2]>,
     pub bounces: Bounces,
     pub film: Option<Film>,
     pub layers: Option<Layers>,
@@ -115,6 +119,16 @@ impl Bounces {
 }
 
 impl Surface {
+    /// Factor of the coupling in the diffuse light from `wi` (turned to the upper side) on a side: the colour, or π times the rough
+    /// lobe.
+    #[inline(always)]
+    pub fn matte_at(&self, side: usize, wi: Vec3A) -> Spectrum {
+        match &self.rough {
+            None => self.matte[side],
+            Some(lobes) => lobes[side].value(self.gloss.wo, wi) * PI,
+        }
+    }
+
     /// Reads the inputs as `choices` want them.
     #[inline]
     pub fn new(inputs: &Inputs, choices: &Choices) -> Self {
@@ -149,6 +163,16 @@ impl Surface {
         let rest = dielectric * (1.0 - unit(p.transmission));
         let far = unit(p.diffuse_transmission);
         let far_color = p.diffuse_transmission_color.map(unit);
+        let share = [rest * (1.0 - far), rest * far];
+        let roughness = unit(p.diffuse_roughness);
+        let rough = (roughness > 0.0).then(|| {
+            let lobe = |color: Spectrum, share: f32| Eon::new(color, roughness).scaled(share);
+            [lobe(base_color, share[0]), lobe(far_color, share[1])]
+        });
+        let matte = match &rough {
+            None => [base_color * share[0], far_color * share[1]],
+            Some(lobes) => lobes.map(|l| l.reflected(wo.z)),
+        };
         // Coat and fibres lie outside of a volume that is seen from inside.
         let outside = inputs.front || !passing.is_some_and(|t| t.is_solid());
         let mut s = Self {
@@ -162,7 +186,8 @@ impl Surface {
             inv_entering_average: 1.0,
             entering: 1.0,
             bands: None,
-            matte: [base_color * (rest * (1.0 - far)), far_color * (rest * far)],
+            matte,
+            rough,
             bounces: Bounces::new(alpha, wo.z, straight, f90, average, choices.compensation),
             film,
             layers: outside.then(|| Layers::new(p, wo, least)).flatten(),

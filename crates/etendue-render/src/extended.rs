@@ -37,6 +37,9 @@ pub(crate) fn factors(m: &Material) -> GltfParams {
         p.clearcoat = c.factor;
         p.clearcoat_roughness = c.roughness;
     }
+    if let Some(d) = &e.diffuse_roughness {
+        p.diffuse_roughness = d.factor;
+    }
     if let Some(d) = &e.diffuse_transmission {
         p.diffuse_transmission = d.factor;
         p.diffuse_transmission_color = spectrum(d.color);
@@ -161,6 +164,9 @@ impl Look<'_> {
         if let Some(c) = &e.clearcoat {
             p.clearcoat *= self.linear(&c.texture).map_or(1.0, |s| s.x);
             p.clearcoat_roughness *= self.linear(&c.roughness_texture).map_or(1.0, |s| s.y);
+        }
+        if let Some(d) = &e.diffuse_roughness {
+            p.diffuse_roughness *= self.linear(&d.texture).map_or(1.0, |s| s.x);
         }
         if let Some(d) = &e.diffuse_transmission {
             p.diffuse_transmission *= self.linear(&d.texture).map_or(1.0, |s| s.w);

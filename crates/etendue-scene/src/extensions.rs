@@ -3,7 +3,7 @@
 //! Factors are multiplied by their textures where there are some; each field's documentation names the texture's channel.
 
 use crate::material::normal;
-use crate::{NormalTexture, TextureRef};
+use crate::{DiffuseRoughness, NormalTexture, TextureRef};
 use glam::Vec3;
 
 /// The extensions that a material uses; absent ones cost nothing.
@@ -13,6 +13,8 @@ pub struct Extensions {
     pub anisotropy: Option<Anisotropy>,
     /// `KHR_materials_clearcoat`.
     pub clearcoat: Option<Clearcoat>,
+    /// `KHR_materials_diffuse_roughness`, a draft.
+    pub diffuse_roughness: Option<DiffuseRoughness>,
     /// `KHR_materials_diffuse_transmission`.
     pub diffuse_transmission: Option<DiffuseTransmission>,
     /// `KHR_materials_dispersion`: 20 over the Abbe number of the interior; 0 for none.
@@ -178,6 +180,7 @@ macro_rules! textures {
         }
         let others = [
             $e.anisotropy.$borrow().and_then(|e| e.texture.$borrow()),
+            $e.diffuse_roughness.$borrow().and_then(|e| e.texture.$borrow()),
             $e.specular_glossiness.$borrow().and_then(|e| e.texture.$borrow()),
             $e.transmission.$borrow().and_then(|e| e.texture.$borrow()),
             $e.volume.$borrow().and_then(|e| e.thickness_texture.$borrow()),
@@ -206,6 +209,7 @@ impl Extensions {
                     && e.roughness.is_finite()
                     && e.normal_texture.is_none_or(|n| n.scale.is_finite())
             })
+            && self.diffuse_roughness.is_none_or(|e| e.is_finite())
             && self.diffuse_transmission.is_none_or(|e| e.factor.is_finite() && e.color.is_finite())
             && self.iridescence.is_none_or(|e| {
                 e.factor.is_finite() && e.ior.is_finite() && e.thickness.iter().all(|t| t.is_finite())

@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod camera;
+mod drafts;
 mod environment;
 mod extensions;
 mod light;
@@ -17,6 +18,7 @@ mod substitute;
 mod texture;
 
 pub use camera::{Camera, CameraRays, Projection};
+pub use drafts::DiffuseRoughness;
 pub use environment::Environment;
 pub use extensions::{
     Anisotropy, Clearcoat, DiffuseTransmission, Extensions, Iridescence, Sheen, SpecularGlossiness,

@@ -128,6 +128,41 @@ impl Eon {
         let lost = (C1 - g_over_pi(wo.z)).max(0.0) * (C1 - g_over_pi(wi.z)).max(0.0);
         self.single * single + self.multiple * lost
     }
+
+    /// The same lobe, times a factor ≥ 0.
+    #[inline]
+    pub fn scaled(mut self, factor: f32) -> Self {
+        self.single *= factor;
+        self.multiple *= factor;
+        self
+    }
+
+    /// Density of [`Eon::direction`], per steradian; both directions above the surface.
+    #[inline(always)]
+    pub fn density(&self, wo: Vec3A, wi: Vec3A) -> f32 {
+        self.cltc.pdf(wo, wi)
+    }
+
+    /// A direction above the surface.
+    #[inline(always)]
+    pub fn direction(&self, wo: Vec3A, uc: f32, u: [f32; 2]) -> Vec3A {
+        self.cltc.sample(wo, uc, u)
+    }
+
+    /// Directional albedo at an angle of cosine `cos`.
+    #[inline(always)]
+    pub fn reflected(&self, cos: f32) -> Spectrum {
+        let g = g_over_pi(cos);
+        // The mean of c₁ − G/π over wi is c₁ − c₂.
+        self.single * (PI * (1.0 + self.roughness * g)) + self.multiple * (PI * (C1 - g).max(0.0) * (C1 - C2))
+    }
+
+    /// π f of a white surface of this roughness, for light between straight up and an angle of cosine `cos`.
+    #[inline(always)]
+    pub fn white_straight_up(&self, cos: f32) -> f32 {
+        let r = self.roughness;
+        fon_a(r) * (1.0 + r * C1 * (C1 - g_over_pi(cos)).max(0.0) / (C1 - C2))
+    }
 }
 
 impl Bsdf for Eon {
@@ -146,9 +181,7 @@ impl Bsdf for Eon {
         if !(wo.z > MIN_COS) {
             return Spectrum::ZERO;
         }
-        let g = g_over_pi(wo.z);
-        // The mean of c₁ − G/π over wi is c₁ − c₂.
-        self.single * (PI * (1.0 + self.roughness * g)) + self.multiple * (PI * (C1 - g).max(0.0) * (C1 - C2))
+        self.reflected(wo.z)
     }
 }
 

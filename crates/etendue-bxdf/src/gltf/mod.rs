@@ -11,7 +11,8 @@
 //!   metal    = F · S
 //!   dielectric = F · S + (1 − max F) · mix(diffuse, through, transmission)
 //!   through  = base_color · the sheet's or volume's transmission with S's microfacets
-//!   diffuse  = mix(base_color / π, diffuse_transmission_color / π on the far side, diffuse_transmission)
+//!   diffuse  = mix(base_color / π, diffuse_transmission_color / π on the far side, diffuse_transmission);
+//!              with diffuse_roughness EON's lobe in place of 1 / π
 //! ```
 //!
 //! Surfaces without extensions are [`MetalRough`] itself, to the bit.
@@ -23,7 +24,9 @@
 //! - specular light from below is multiplied by min(T(wo), T(wi)), the rule that `KHR_materials_sheen` gives: reciprocal and
 //!   never more than T(wo);
 //! - diffuse light by T(wo) T(wi) / ∫ T cos/π: reciprocal and exactly T(wo) of its albedo, T being the product over all layers
-//!   above it, the base's own (1 − mean F) included, as in [`crate::metal_rough`].
+//!   above it, the base's own (1 − mean F) included, as in [`crate::metal_rough`]. Of rough diffuse light the mean is weighted by
+//!   the lobe for light from straight up, of which T lets most through; from elsewhere the lobe then returns up to 2 % less than
+//!   T(wo) of its albedo.
 //!
 //! No light goes to and fro between coat and base: that the extension leaves out too. So a coated surface keeps its colour
 //! and does not darken.
@@ -48,6 +51,7 @@ mod coat;
 mod extended;
 mod facet;
 mod lobes;
+mod matte;
 mod params;
 mod shape;
 

@@ -56,6 +56,8 @@ parameters! {
         diffuse_transmission: f32 = 0.0, 0.0..1.0;
         /// Colour of the light that is diffusely transmitted; lanes 0..1.
         diffuse_transmission_color: Spectrum = Spectrum::ONE, 0.0..1.0;
+        /// Roughness of what is scattered diffusely, 0 (Lambert's) .. 1.
+        diffuse_roughness: f32 = 0.0, 0.0..1.0;
         /// What is done about light that is reflected by several microfacets.
         compensation: Compensation = Compensation::KullaConty, 0.0..1.0;
     }
@@ -102,6 +104,7 @@ impl GltfParams {
             || self.iridescence > 0.0
             || self.anisotropy_strength > 0.0
             || self.diffuse_transmission > 0.0
+            || self.diffuse_roughness > 0.0
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod asset;
 mod data;
+pub(crate) mod drafts;
 mod geometry;
 mod ies;
 mod material;
@@ -60,6 +61,8 @@ pub(crate) struct Document<'v> {
     pub buffers: Vec<Buffer<'v>>,
     pub extensions_used: Vec<&'v str>,
     pub extensions_required: Vec<&'v str>,
+    /// Whether drafts of extensions are read.
+    pub drafts: bool,
 }
 
 impl<'v> Document<'v> {
@@ -70,7 +73,7 @@ impl<'v> Document<'v> {
         let asset = Asset::read(r, o)?;
         let extensions_used = names(r, o, "extensionsUsed");
         let extensions_required = names(r, o, "extensionsRequired");
-        extensions::check_required(&extensions_required, &mut r.warnings)?;
+        extensions::check_required(&extensions_required, r.drafts, &mut r.warnings)?;
         for (limit, most) in [("nodes", limits.nodes), ("accessors", limits.accessors)] {
             let count = o.get(limit).and_then(Value::as_array).map_or(0, Vec::len) as u64;
             if count > most {
@@ -109,6 +112,7 @@ impl<'v> Document<'v> {
             buffers: r.list(o, "buffers", Buffer::read)?,
             extensions_used,
             extensions_required,
+            drafts: r.drafts,
         })
     }
 }

@@ -1,6 +1,7 @@
 //! The material extensions that change how a surface scatters, as the file says them: nothing clamped, nothing defaulted.
 
 use super::TextureInfo;
+use super::drafts::Drafts;
 use super::material::with_factor;
 use crate::error::Fault;
 use crate::extensions as ext;
@@ -93,6 +94,7 @@ pub(crate) struct Surface {
     pub specular_glossiness: Option<SpecularGlossiness>,
     pub transmission: Option<Transmission>,
     pub volume: Option<Volume>,
+    pub drafts: Drafts,
 }
 
 impl Surface {
@@ -174,6 +176,7 @@ impl Surface {
                     attenuation_color: r.soft(o, "attenuationColor", Reader::numbers),
                 })
             })?,
+            drafts: Drafts::read(r, o)?,
         })))
     }
 
@@ -212,6 +215,7 @@ impl Surface {
         ]
         .into_iter()
         .filter_map(|(k, v)| Some((k, v?)))
+        .chain(self.drafts.factors())
     }
 
     /// The textures that the file gives, by the names of `etendue info`.
@@ -239,5 +243,6 @@ impl Surface {
         ]
         .into_iter()
         .filter_map(|(k, t)| Some((k, t?)))
+        .chain(self.drafts.textures())
     }
 }

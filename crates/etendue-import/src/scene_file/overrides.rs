@@ -223,6 +223,7 @@ fn leave_out(m: &mut Material, set: fn(&mut Material, Option<TextureRef>)) {
             Some(Box::new(Extensions {
                 anisotropy: now.anisotropy.filter(|_| had.anisotropy.is_some()),
                 clearcoat: now.clearcoat.filter(|_| had.clearcoat.is_some()),
+                diffuse_roughness: now.diffuse_roughness.filter(|_| had.diffuse_roughness.is_some()),
                 diffuse_transmission: now.diffuse_transmission.filter(|_| had.diffuse_transmission.is_some()),
                 iridescence: now.iridescence.filter(|_| had.iridescence.is_some()),
                 sheen: now.sheen.filter(|_| had.sheen.is_some()),

@@ -6,8 +6,8 @@ use etendue_bxdf::model;
 use etendue_bxdf::model::Field as _;
 use etendue_bxdf::multiscatter::Compensation;
 use etendue_scene::{
-    AlphaMode, Anisotropy, Clearcoat, DiffuseTransmission, Extensions, Iridescence, Material, NormalTexture,
-    Sheen, SpecularGlossiness, TextureRef, Transmission, Volume,
+    AlphaMode, Anisotropy, Clearcoat, DiffuseRoughness, DiffuseTransmission, Extensions, Iridescence,
+    Material, NormalTexture, Sheen, SpecularGlossiness, TextureRef, Transmission, Volume,
 };
 
 /// A key of a surface.
@@ -32,6 +32,9 @@ fn anisotropy(m: &mut Material) -> &mut Anisotropy {
 }
 fn coat(m: &mut Material) -> &mut Clearcoat {
     extensions(m).clearcoat.get_or_insert_default()
+}
+fn rough(m: &mut Material) -> &mut DiffuseRoughness {
+    extensions(m).diffuse_roughness.get_or_insert_default()
 }
 fn passes(m: &mut Material) -> &mut DiffuseTransmission {
     extensions(m).diffuse_transmission.get_or_insert_default()
@@ -110,6 +113,7 @@ pub(crate) fn factors() -> Vec<SurfaceKey> {
                 n.scale = v.f32();
             }
         }).or("1")),
+        plain(field("diffuse_roughness", unit(), "Roughness of what is scattered diffusely: 0 even to 1", |m, v| rough(m).factor = v.f32()).or("0")),
         plain(field("diffuse_transmission", unit(), "Part of the diffuse light that passes, as through a leaf", |m, v| passes(m).factor = v.f32()).or("0")),
         plain(field("diffuse_transmission_color", Kind::Color, "Colour of what passes", |m, v| passes(m).color = v.numbers().into()).or("[1, 1, 1]")),
         plain(field("dispersion", Kind::POSITIVE, "20 over the Abbe number of the interior; 0 for none", |m, v| extensions(m).dispersion = v.f32()).or("0")),
@@ -173,6 +177,12 @@ pub(crate) fn textures() -> Vec<TextureKey> {
         slot("clearcoat_normal_texture", "Normal map of the lacquer, +Y up", false, |m, t| {
             coat(m).normal_texture = normal(t)
         }),
+        slot(
+            "diffuse_roughness_texture",
+            "Roughness of what is scattered diffusely, in red",
+            false,
+            |m, t| rough(m).texture = t,
+        ),
         slot("diffuse_transmission_texture", "Part that passes diffusely, in alpha", false, |m, t| {
             passes(m).texture = t
         }),

@@ -206,6 +206,7 @@ fn lit(m: &Material, w: &mut Writer<'_>, e: &mut Map<String, Value>) {
     let Extensions {
         anisotropy,
         clearcoat,
+        diffuse_roughness,
         diffuse_transmission,
         dispersion,
         iridescence,
@@ -229,6 +230,12 @@ fn lit(m: &Material, w: &mut Writer<'_>, e: &mut Map<String, Value>) {
         o.some("clearcoatRoughnessTexture", w.texture(c.roughness_texture));
         o.some("clearcoatNormalTexture", w.normal(c.normal_texture));
         add(ext::CLEARCOAT, o);
+    }
+    if let Some(d) = diffuse_roughness {
+        let mut o = Object::default();
+        o.number("diffuseRoughnessFactor", d.factor, 0.0);
+        o.some("diffuseRoughnessTexture", w.texture(d.texture));
+        add(ext::DIFFUSE_ROUGHNESS, o);
     }
     if let Some(d) = diffuse_transmission {
         let mut o = Object::default();

@@ -12,6 +12,16 @@ pub fn texture() -> Value {
     json!({"index": 1, "extensions": {"KHR_texture_transform": {"offset": [0.5, 0.25], "scale": [2, 4], "texCoord": 1}}})
 }
 
+/// The same for drafts.
+pub fn drafts() -> Vec<(&'static str, Value, Value)> {
+    let t = texture;
+    vec![(
+        "diffuse_roughness",
+        json!({"diffuseRoughnessFactor": 0.5, "diffuseRoughnessTexture": t()}),
+        json!({"diffuseRoughnessTexture": t()}),
+    )]
+}
+
 /// Per extension: its name, one that does something, and one whose factors make it do nothing.
 pub fn samples() -> Vec<(&'static str, Value, Value)> {
     let t = texture;

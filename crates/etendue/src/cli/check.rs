@@ -5,7 +5,7 @@ use super::info::table;
 use super::model_args::CheckArgs;
 use super::output::{bytes, count};
 use super::{CliError, load, say};
-use crate::import::{ImportOptions, Imported};
+use crate::import::Imported;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
@@ -146,7 +146,7 @@ impl Checklist {
 }
 
 pub(crate) fn run(args: &CheckArgs) -> Result<(), CliError> {
-    let options = ImportOptions { limits: args.limits.limits(), ..ImportOptions::default() };
+    let options = args.limits.options();
     let mut list = Checklist::default();
     for path in find_models(&args.files)? {
         let started = Instant::now();

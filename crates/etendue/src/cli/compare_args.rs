@@ -167,7 +167,7 @@ impl CompareArgs {
 }
 
 /// Fields of [`ModelArgs`].
-const OF_MODELS: [&str; 24] = [
+const OF_MODELS: [&str; 25] = [
     "light",
     "env",
     "env_layout",
@@ -178,6 +178,7 @@ const OF_MODELS: [&str; 24] = [
     "target",
     "size",
     "variant",
+    "drafts",
     "allow_outside",
     "max_memory",
     "limit",

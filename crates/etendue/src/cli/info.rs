@@ -4,16 +4,12 @@ use super::loading::Loading;
 use super::model_args::InfoArgs;
 use super::output::{self, bytes};
 use super::{CliError, load, say};
-use crate::import::{ImportOptions, Imported, Support};
+use crate::import::{ExtensionInfo, ImportOptions, Imported, Support};
 use std::fmt::Write;
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), CliError> {
     let loading = Loading::new(!args.json);
-    let options = ImportOptions {
-        limits: args.limits.limits(),
-        progress: Some(loading.progress()),
-        ..ImportOptions::default()
-    };
+    let options = ImportOptions { progress: Some(loading.progress()), ..args.limits.options() };
     let imported = load::read(args.model.as_deref(), &options, None)?;
     drop(loading);
     if args.json {
@@ -139,7 +135,9 @@ fn text(imported: &Imported) -> String {
         .map(|(what, n)| row(&[what, &bytes(*n), &format!("{:.1} %", *n as f64 * 100.0 / total as f64)]))
         .collect();
     table(&mut out, "sizes", &rows);
-    let support = |s: Option<Support>| match s {
+    let support = |e: &ExtensionInfo| match e.support {
+        Some(Support::Draft) => "a draft: read, may still change",
+        _ if e.draft => "a draft: ignored without --drafts",
         Some(Support::Full) => "supported",
         Some(Support::Partly) => "supported in part",
         Some(Support::Ignored) => "not supported yet: ignored",
@@ -148,7 +146,7 @@ fn text(imported: &Imported) -> String {
     };
     let required = |r: bool| if r { "required" } else { "used" };
     let rows: Vec<_> =
-        info.extensions.iter().map(|e| row(&[&e.name, &required(e.required), &support(e.support)])).collect();
+        info.extensions.iter().map(|e| row(&[&e.name, &required(e.required), &support(e)])).collect();
     table(&mut out, "extensions", &rows);
     let rows: Vec<_> = info
         .meshes

@@ -1,12 +1,15 @@
-//! What models may take, on every command that loads one.
+//! What models may take and what of them is read, on every command that loads one.
 
-use crate::import::Limits;
+use crate::import::{ImportOptions, Limits};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
 #[derive(Clone, Debug, Default, PartialEq, Args, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct LimitArgs {
+    /// Read drafts of glTF extensions too, which may still change: KHR_materials_diffuse_roughness
+    #[arg(long, help_heading = "Scene")]
+    pub drafts: bool,
     /// Let models read files outside their own folders
     #[arg(long, help_heading = "Limits")]
     pub allow_outside: bool,
@@ -19,6 +22,11 @@ pub(crate) struct LimitArgs {
 }
 
 impl LimitArgs {
+    /// How models are imported.
+    pub fn options(&self) -> ImportOptions {
+        ImportOptions { limits: self.limits(), drafts: self.drafts, ..ImportOptions::default() }
+    }
+
     /// The importer's limits.
     pub fn limits(&self) -> Limits {
         let mut limits = Limits { outside_folder: self.allow_outside, ..Limits::default() };
@@ -110,7 +118,7 @@ mod tests {
         assert!(limit("node=5").is_err_and(|e| e.contains("nodes")));
         assert!(limit("node_depth=99999999999").is_err() && limit("nodes").is_err());
         let args =
-            LimitArgs { max_memory: Some(1 << 40), limit: vec!["nodes=5".into()], allow_outside: false };
+            LimitArgs { max_memory: Some(1 << 40), limit: vec!["nodes=5".into()], ..LimitArgs::default() };
         let l = args.limits();
         assert_eq!((l.nodes, l.memory_bytes, l.image_bytes, l.file_bytes), (5, 1 << 40, 1 << 40, 1 << 40));
         let small = LimitArgs { max_memory: Some(1 << 20), ..LimitArgs::default() }.limits();

@@ -30,8 +30,7 @@ pub(crate) fn options(args: &RenderArgs) -> ImportOptions {
         Some("all") => AnimationChoice::All,
         Some(a) => a.parse().map_or_else(|_| AnimationChoice::Name(a.into()), AnimationChoice::Index),
     };
-    let limits = args.limits.limits();
-    ImportOptions { at: args.at, animation, limits, ..ImportOptions::default() }
+    ImportOptions { at: args.at, animation, ..args.limits.options() }
 }
 
 /// The model under its sky, with the materials that the arguments ask for; and the warnings, which are printed unless nothing is to
@@ -92,7 +91,7 @@ pub(crate) fn dress(
 
 /// The model that the arguments name.
 pub(crate) fn model(path: Option<&Path>, at: Option<f32>, limits: &LimitArgs) -> Result<Imported, CliError> {
-    read(path, &ImportOptions { at, limits: limits.limits(), ..ImportOptions::default() }, None)
+    read(path, &ImportOptions { at, ..limits.options() }, None)
 }
 
 /// The same, for those who write it again: with the files of its pictures.
@@ -101,8 +100,7 @@ pub(crate) fn model_with_files(
     at: Option<f32>,
     limits: &LimitArgs,
 ) -> Result<Imported, CliError> {
-    let limits = limits.limits();
-    read(path, &ImportOptions { at, image_files: true, limits, ..ImportOptions::default() }, None)
+    read(path, &ImportOptions { at, image_files: true, ..limits.options() }, None)
 }
 
 /// A model, or what a scene file makes of several; `variant` goes before those that it names.

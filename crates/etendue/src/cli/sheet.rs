@@ -53,9 +53,8 @@ pub(crate) fn run(args: &SheetArgs) -> Result<(), CliError> {
             Some(made.map_err(|e| CliError::Other(format!("the sky: {e}")))?)
         }
     };
-    let limits = args.limits.limits();
     let studio = Arc::new(Studio {
-        options: ImportOptions { limits, ..ImportOptions::default() },
+        options: args.limits.options(),
         at: args.at,
         environment,
         lighting,

@@ -1,6 +1,6 @@
 //! Models of every format: rendered, described, checked, converted.
 
-use crate::lab::{Lab, triangle};
+use crate::lab::{Lab, samples, triangle};
 
 const OBJ: &str = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl red\nf 1 2 3 4\n";
 
@@ -84,6 +84,45 @@ fn checking_ends_with_three_if_a_model_does_not_load() {
     let v: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!((&v["files"][0]["verdict"], &v["files"][1]["verdict"]), (&"ok".into(), &"error".into()));
     assert_eq!((&v["files"][0]["triangles"], &v["errors"]), (&2.into(), &1.into()));
+}
+
+/// Drafts of extensions are named with the switch that reads them, and read with it, on the command line or by a scene file.
+#[test]
+fn drafts_are_asked_for() {
+    let lab = Lab::new();
+    let rough = |extra: &str| {
+        triangle(extra).replace(
+            r#""doubleSided":true"#,
+            r#""doubleSided":true,"extensions":{"KHR_materials_diffuse_roughness":{"diffuseRoughnessFactor":1}}"#,
+        )
+    };
+    lab.write("used.gltf", rough(r#","extensionsUsed":["KHR_materials_diffuse_roughness"]"#));
+    lab.write("needed.gltf", rough(r#","extensionsRequired":["KHR_materials_diffuse_roughness"]"#));
+    let out = lab.ok("info used.gltf").out;
+    assert!(
+        out.contains("a draft: ignored without --drafts") && out.contains("ignored without --drafts ("),
+        "{out}"
+    );
+    let out = lab.ok("info --drafts used.gltf").out;
+    assert!(
+        out.contains("a draft: read") && out.contains("diffuseRoughness 1") && !out.contains("warnings"),
+        "{out}"
+    );
+    lab.run("info needed.gltf").ends_with(1).says(&["KHR_materials_diffuse_roughness", "--drafts"]);
+    lab.run("check --strict used.gltf").ends_with(3);
+    lab.run("check --strict --drafts used.gltf needed.gltf").ends_with(0);
+    lab.ok("convert --drafts used.gltf -o out.gltf");
+    assert!(String::from_utf8(lab.bytes("out.gltf")).unwrap().contains("diffuseRoughnessFactor"));
+    lab.write("s.toml", "[render]\ndrafts = true\n[[model]]\nfile = \"used.gltf\"\n");
+    let picture =
+        |line: &str| lab.ok(&format!("render {line} --camera 0 -s 16x16 -n 4 --env studio -o p.png"));
+    let bytes = |line: &str| {
+        picture(line);
+        samples(&lab.image("p.png"))
+    };
+    let (off, on) = (bytes("used.gltf -q"), bytes("used.gltf --drafts -q"));
+    assert_ne!(off, on);
+    assert_eq!(on, bytes("s.toml -q"));
 }
 
 #[test]

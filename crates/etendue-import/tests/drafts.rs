@@ -1,0 +1,110 @@
+//! Drafts of material extensions: read if they are asked for, every field, its default and its range; named if they are not.
+mod common;
+use common::surfaces::*;
+use common::*;
+use etendue_import::{ExportOptions, ImportError, ImportOptions, Imported, Support, export, import_bytes};
+use etendue_scene::*;
+use glam::{Affine2, Vec2};
+use serde_json::{Value, json};
+
+fn asked() -> ImportOptions {
+    ImportOptions { drafts: true, image_files: true, ..ImportOptions::default() }
+}
+
+fn draft(material: Value) -> Imported {
+    with(material).import_with(&asked()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn read(name: &str, extension: Value) -> Extensions {
+    let i = draft(extended(name, extension));
+    assert!(i.warnings.is_empty(), "{:?}", i.warnings);
+    i.scene.materials[0].extensions.as_deref().cloned().expect("does something")
+}
+
+/// What [`texture`] becomes.
+fn arrived() -> Option<TextureRef> {
+    let transform = Affine2::from_scale_angle_translation(Vec2::new(2., 4.), 0.0, Vec2::new(0.5, 0.25));
+    Some(TextureRef { texture: 0, uv_set: 1, transform })
+}
+
+#[test]
+fn every_field_arrives() {
+    let all: Vec<Extensions> = drafts().into_iter().map(|(name, e, _)| read(name, e)).collect();
+    let (texture, none) = (arrived(), Extensions::default());
+    let rough = DiffuseRoughness { factor: 0.5, texture };
+    assert_eq!(all[0], Extensions { diffuse_roughness: Some(rough), ..none });
+}
+
+#[test]
+fn what_does_nothing_is_left_out_with_its_textures() {
+    for (name, _, neutral) in drafts() {
+        for nothing in [neutral, json!({})] {
+            let mut m = with(extended(name, nothing));
+            m.json["images"][0]["uri"] = json!("nowhere.png");
+            let i = m.import_with(&asked()).unwrap();
+            assert_eq!(i.scene.materials[0], Material::default(), "{name}");
+            assert!(i.scene.images.is_empty() && i.warnings.is_empty(), "{name}: {:?}", i.warnings);
+        }
+    }
+}
+
+/// Without the switch the picture is the one without the extension; the warning says how to see it, `info` what it is.
+#[test]
+fn what_is_not_asked_for_is_named() {
+    for (name, e, _) in drafts() {
+        let full = format!("KHR_materials_{name}");
+        let mut m = with(extended(name, e));
+        m.json["extensionsUsed"] = json!([full]);
+        let i = m.import();
+        assert_eq!(i.scene.materials[0].extensions, None, "{name}");
+        let said = format!("/materials/0/extensions/{full}: {full} is a draft; ignored without --drafts");
+        assert!(warned(&i, &said), "{:?}", i.warnings);
+        let info = &i.info.extensions[0];
+        assert_eq!((info.support, info.draft), (Some(Support::Ignored), true), "{name}");
+        let i = m.import_with(&asked()).unwrap();
+        assert!(i.warnings.is_empty(), "{:?}", i.warnings);
+        assert_eq!(i.info.extensions[0].support, Some(Support::Draft), "{name}");
+
+        m.json["extensionsRequired"] = json!([full]);
+        match m.import_with(&ImportOptions::default()) {
+            Err(e @ ImportError::Unsupported { .. }) => {
+                assert!(e.to_string().contains("--drafts") && e.to_string().contains(&full), "{e}");
+            }
+            other => panic!("{name}: {other:?}"),
+        }
+        assert!(m.import_with(&asked()).is_ok(), "{name}");
+    }
+    // In a place where it means nothing it is not read either way.
+    let i =
+        draft(json!({"normalTexture": {"index": 0, "extensions": {"KHR_materials_diffuse_roughness": {}}}}));
+    assert!(
+        warned(&i, "/materials/0/normalTexture/extensions/KHR_materials_diffuse_roughness"),
+        "{:?}",
+        i.warnings
+    );
+}
+
+#[test]
+fn what_is_out_of_range_is_brought_back() {
+    let i = draft(extended("diffuse_roughness", json!({"diffuseRoughnessFactor": 7})));
+    assert!(warned(
+        &i,
+        "/materials/0/extensions/KHR_materials_diffuse_roughness: diffuseRoughnessFactor outside 0..1"
+    ));
+    let e = i.scene.materials[0].extensions.clone().unwrap();
+    assert_eq!(e.diffuse_roughness.map(|d| d.factor), Some(1.0));
+}
+
+/// A written surface is read again as the same.
+#[test]
+fn drafts_are_written() {
+    for (name, e, _) in drafts() {
+        let i = draft(extended(name, e));
+        let file = export(&i.scene, &i.image_files, &ExportOptions::default()).unwrap();
+        assert_eq!(file.notes, Vec::<String>::new());
+        let back = import_bytes(&file.bytes, "written", &asked()).unwrap();
+        assert!(back.warnings.is_empty(), "{name}: {:?}", back.warnings);
+        assert_eq!(back.scene.materials[0].extensions, i.scene.materials[0].extensions, "{name}");
+        assert!(back.info.extensions.iter().any(|e| e.name.ends_with(name)), "{name}");
+    }
+}
