@@ -1,19 +1,6 @@
-//! Draco: any bytes are a mesh that holds together, or an error.
 #![no_main]
 
-use etendue_import::draco::{DracoLimits, decode};
-use libfuzzer_sys::fuzz_target;
+#[path = "../bodies/draco.rs"]
+mod body;
 
-/// Small, so that a claim beyond them is a finding and not a slow run.
-const LIMITS: DracoLimits = DracoLimits { triangles: 1 << 16, bytes: 1 << 22 };
-
-fuzz_target!(|data: &[u8]| {
-    let Ok(m) = decode(data, &LIMITS) else { return };
-    let points = m.points();
-    assert!(m.triangles().flatten().all(|p| (p as usize) < points));
-    for id in m.attributes() {
-        if let Ok((values, n)) = m.floats(id) {
-            assert_eq!(values.len(), n * points);
-        }
-    }
-});
+libfuzzer_sys::fuzz_target!(|data: &[u8]| body::run(data));

@@ -1,26 +1,6 @@
-//! glTF and GLB: any bytes are a scene that holds together, or an error.
 #![no_main]
 
-use etendue_import::{AnimationChoice, ImportOptions, Limits, import_bytes};
-use libfuzzer_sys::fuzz_target;
+#[path = "../bodies/gltf.rs"]
+mod body;
 
-fuzz_target!(|data: &[u8]| {
-    // Small, so that a claim beyond them is a finding and not a slow run.
-    let limits = Limits {
-        image_pixels: 1 << 20,
-        image_bytes: 1 << 24,
-        vertices: 1 << 18,
-        nodes: 1 << 14,
-        instances: 1 << 14,
-        geometry_bytes: 1 << 25,
-        ..Limits::default()
-    };
-    let mut options = ImportOptions { limits, ..ImportOptions::default() };
-    for at in [None, Some(0.5)] {
-        options.at = at;
-        options.animation = AnimationChoice::All;
-        if let Ok(model) = import_bytes(data, "fuzz", &options) {
-            assert_eq!(model.scene.validate(), Ok(()));
-        }
-    }
-});
+libfuzzer_sys::fuzz_target!(|data: &[u8]| body::run(data));

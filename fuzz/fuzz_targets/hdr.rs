@@ -1,19 +1,6 @@
-//! Radiance pictures: any bytes are a finite sky or an error.
 #![no_main]
 
-use etendue_image::{DecodeLimits, Pixels, decode_environment};
-use libfuzzer_sys::fuzz_target;
+#[path = "../bodies/hdr.rs"]
+mod body;
 
-/// Small, so that a claim beyond them is a finding and not a slow run.
-const LIMITS: DecodeLimits = DecodeLimits { max_pixels: 1 << 22, max_bytes: 1 << 26 };
-
-fuzz_target!(|data: &[u8]| {
-    // The signature is given: only what follows is searched for.
-    let mut bytes = b"#?RADIANCE\n".to_vec();
-    bytes.extend_from_slice(data.strip_prefix(b"#?RADIANCE\n").unwrap_or(data));
-    if let Ok(e) = decode_environment(&bytes, &LIMITS) {
-        let Pixels::F32(p) = &e.image.pixels else { panic!("not floats") };
-        assert_eq!(p.len(), e.image.len());
-        assert!(p.iter().all(|v| v.is_finite() && *v >= 0.0));
-    }
-});
+libfuzzer_sys::fuzz_target!(|data: &[u8]| body::run(data));

@@ -1,14 +1,6 @@
-//! PLY: any bytes are a scene that holds together, or an error.
 #![no_main]
 
-use etendue_import::{ImportOptions, Limits, import_bytes};
-use libfuzzer_sys::fuzz_target;
+#[path = "../bodies/ply.rs"]
+mod body;
 
-fuzz_target!(|data: &[u8]| {
-    // Small, so that a claim beyond them is a finding and not a slow run.
-    let limits =
-        Limits { vertices: 1 << 18, instances: 1 << 14, geometry_bytes: 1 << 25, ..Limits::default() };
-    if let Ok(model) = import_bytes(data, "fuzz.ply", &ImportOptions { limits, ..ImportOptions::default() }) {
-        assert_eq!(model.scene.validate(), Ok(()));
-    }
-});
+libfuzzer_sys::fuzz_target!(|data: &[u8]| body::run(data));

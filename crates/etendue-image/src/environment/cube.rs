@@ -102,14 +102,15 @@ pub fn lat_long_of_cube(faces: &[Image], turn: impl Fn([f32; 3]) -> [f32; 3] + S
             });
             let (around, cube, turn) = (&around, &cube, &turn);
             (0..w).flat_map(move |x| {
-                let mut sum = [0.0; 3];
+                let mut sum = [0.0f64; 3];
                 for [cos, sin] in rows {
                     for [c, s] in &around[x * POINTS..(x + 1) * POINTS] {
                         let l = cube.lookup(turn([sin * c, cos, sin * s]));
-                        (0..3).for_each(|i| sum[i] += l[i]);
+                        (0..3).for_each(|i| sum[i] += f64::from(l[i]));
                     }
                 }
-                sum.map(|v| v / (POINTS * POINTS) as f32)
+                // Of light as bright as a float can say the rounding could make more than that.
+                sum.map(|v| (v / (POINTS * POINTS) as f64).min(f32::MAX.into()) as f32)
             })
         })
         .collect();
@@ -161,5 +162,13 @@ mod tests {
         let image = lat_long_of_cube(&faces, |d| d);
         assert_eq!((image.width, image.height), (4, 2));
         assert!((0..4).all(|x| image.sample(x, 0, 0) <= 5.0));
+    }
+
+    #[test]
+    fn the_brightest_light_stays_finite() {
+        let faces: Vec<Image> = (0..6).map(|_| face(2, |_, _| [f32::MAX; 3])).collect();
+        let image = lat_long_of_cube(&faces, |d| d);
+        let Pixels::F32(p) = &image.pixels else { panic!("not floats") };
+        assert!(p.iter().all(|v| v.is_finite() && *v > 0.99 * f32::MAX));
     }
 }
