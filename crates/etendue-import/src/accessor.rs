@@ -242,6 +242,16 @@ impl Elements<'_> {
         }
     }
 
+    /// Whether no byte of the file stands behind the elements: all are zero.
+    pub fn is_plain_zero(&self) -> bool {
+        self.base.is_none() && self.overlay.is_none()
+    }
+
+    /// [`Elements::floats`] as they are stored, whether or not they are normalised.
+    pub fn stored_floats<const N: usize>(&self, pick: Option<&[u32]>) -> Vec<[f32; N]> {
+        self.floats_as(pick, false)
+    }
+
     /// The elements as whole numbers; `None` unless they are stored as unsigned integers.
     pub fn integers<const N: usize>(&self, pick: Option<&[u32]>) -> Option<Vec<[u32; N]>> {
         Some(match self.accessor.component {

@@ -155,6 +155,20 @@ impl Fault {
         Self::Container { offset, message: message.into() }
     }
 
+    /// The place in the document, as far as there is one.
+    pub fn pointer(&self) -> &str {
+        match self {
+            Self::Missing { pointer, .. }
+            | Self::Invalid { pointer, .. }
+            | Self::Image { pointer, .. }
+            | Self::Unsupported { pointer, .. }
+            | Self::TooLarge { pointer, .. } => pointer,
+            Self::Container { .. } | Self::Line { .. } | Self::Json { .. } | Self::NoSuchAnimation { .. } => {
+                ""
+            }
+        }
+    }
+
     /// What is wrong, without the place; used where a fault is harmless and becomes a warning.
     pub fn message(&self) -> String {
         match self {

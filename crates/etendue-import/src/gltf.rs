@@ -18,8 +18,8 @@ use crate::progress::ImportProgress;
 use crate::sizes::Sizes;
 use crate::source::Source;
 use crate::texture::{self, Decoded};
-use crate::warning::Warnings;
-use crate::{animation, glb, ies, skin, sky, unusual};
+use crate::warning::{Warning, Warnings};
+use crate::{animation, conformance, glb, ies, skin, sky, unusual};
 use etendue_scene::{Environment, Mesh, Scene};
 use glam::{Affine3A, DAffine3};
 use rayon::prelude::*;
@@ -70,6 +70,8 @@ pub(crate) struct Gltf<'f> {
     animation: AnimationChoice,
     occlusion: bool,
     keep_files: bool,
+    /// What is against the specification, if that was asked for.
+    breaches: Vec<Warning>,
     limits: Limits,
     progress: Option<Arc<ImportProgress>>,
     /// Profiles of lamps.
@@ -117,7 +119,12 @@ impl<'f> Gltf<'f> {
         draco::expand(&mut doc, &mut buffers, &mut budget, &mut warnings)?;
         let lamps = ies::load(&doc, &buffers, &source, &mut warnings);
         let sky = sky::load(&doc, &buffers, &source, &mut warnings)?;
+        let breaches = match options.conformance {
+            true => conformance::breaches(&text.tree, &mut doc, &buffers, &parts, &source),
+            false => Vec::new(),
+        };
         Ok(Self {
+            breaches,
             lamps,
             sky,
             name,
@@ -226,6 +233,7 @@ impl<'f> Gltf<'f> {
         info.bytes = self.bytes;
         info.sizes = Sizes::of(doc, self.text.bytes);
         info.unusual = unusual::of_document(doc);
+        info.breaches = self.breaches.clone();
         info.add_scene(&scene, self.shown.len(), &textures.images, &images, &self.buffers);
         let image_files = image_files(&images, self.keep_files);
         Ok(Imported { scene, warnings: warnings.into_vec(), info, image_files })

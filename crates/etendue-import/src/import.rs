@@ -27,6 +27,9 @@ pub struct ImportOptions {
     /// Whether drafts of extensions are read ([`Support::Draft`](crate::Support::Draft)): they may still change, and then the
     /// picture does. Without it they are ignored with a warning, and a file that requires one is refused.
     pub drafts: bool,
+    /// Whether [`Info::breaches`] is filled: for those who want to know all that is wrong with a glTF file. Takes a pass over all
+    /// its data.
+    pub conformance: bool,
     /// Bounds on memory.
     pub limits: Limits,
     /// Where the import tells how far it is, if somebody wants to know.
@@ -41,6 +44,7 @@ impl Default for ImportOptions {
             occlusion: true,
             image_files: false,
             drafts: false,
+            conformance: false,
             limits: Limits::default(),
             progress: None,
         }

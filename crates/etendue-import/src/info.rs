@@ -39,6 +39,8 @@ pub struct Info {
     pub sizes: Sizes,
     /// What is allowed but odd: data that nothing refers to, pictures that are larger than they can be shown, and such.
     pub unusual: Vec<Warning>,
+    /// What is against the specification though no picture depends on it, if the options ask for it.
+    pub breaches: Vec<Warning>,
     /// How many of each there are.
     pub counts: Counts,
     /// Names of its material variants.

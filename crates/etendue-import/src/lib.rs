@@ -24,7 +24,7 @@
 //!    cores.
 //!
 //! `door` chooses the reader: `obj` (with its materials), `ply` and `stl` stand beside glTF. Their meshes and materials are put
-//! together by `assemble`; `polygon` cuts faces into triangles. `ies` reads how lamps shine, `sky` the surroundings that a glTF
+//! together by `assemble`; `polygon` cuts faces into triangles. `conformance` looks for what is against the specification though no picture depends on it. `ies` reads how lamps shine, `sky` the surroundings that a glTF
 //! file brings along. [`mod@write`] makes glTF of a scene.
 //!
 //! # What never happens
@@ -40,6 +40,7 @@ mod assemble;
 mod buffers;
 mod changed;
 mod clean;
+mod conformance;
 mod document;
 mod door;
 pub mod draco;

@@ -81,9 +81,10 @@ pub(crate) fn convert(
     }
     // Without a way in there is no light inside.
     let lets_light_in = out.transmission.is_some() || out.diffuse_transmission.is_some();
-    if let Some(e) = s.volume.filter(|_| lets_light_in) {
+    if let Some(e) = s.volume {
         at(p, ext::VOLUME);
-        out.volume = volume(&e, thickness, p)?;
+        let volume = volume(&e, thickness && lets_light_in, p)?;
+        out.volume = volume.filter(|_| lets_light_in);
     }
     if let Some(e) = s.dispersion {
         at(p, ext::DISPERSION);

@@ -1,7 +1,7 @@
 //! Whether the parts of a file agree with one another: where they stand, how long mips are, what format and descriptor say.
 //!
 //! A reader could take many contradictions as they come, and show a picture that nobody meant. What only concerns people (names of writers,
-//! numbers of other programs' formats, the order of keys) is let through.
+//! numbers of other programs' formats, the order of keys) is let through; `remarks` speaks of it.
 
 use super::container::{Container, Scheme};
 use super::descriptor::{Descriptor, Model};
@@ -207,13 +207,8 @@ fn levels(c: &Container<'_>, d: &Descriptor) -> Result<(), ImageError> {
 fn orientation(c: &Container<'_>) -> Result<(), ImageError> {
     let Some(value) = c.value("KTXorientation") else { return Ok(()) };
     let letters = value.strip_suffix(b"\0").unwrap_or(value);
-    let dimensions = if c.depth > 1 {
-        3
-    } else if c.places.has_height {
-        2
-    } else {
-        1
-    };
+    // Some writers leave the slices of a volume out.
+    let dimensions = if c.places.has_height { 2 } else { 1 };
     let known = letters.iter().zip([b"rl", b"du", b"oi"]).all(|(l, pair)| pair.contains(l));
     // A volume of one slice has three letters, too.
     if !known

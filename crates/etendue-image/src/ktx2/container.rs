@@ -29,8 +29,10 @@ pub(super) struct Level<'a> {
 /// Where parts stand, and what the header says beside.
 pub(super) struct Places {
     pub type_size: u32,
-    /// Whether the header gives a height, and a number of mips, at all.
+    /// Whether the header gives a height, a depth, a number of layers and of mips at all.
     pub has_height: bool,
+    pub has_depth: bool,
+    pub has_layers: bool,
     pub has_levels: bool,
     /// Offset and length.
     pub descriptor: (u64, u64),
@@ -100,6 +102,7 @@ impl<'a> Container<'a> {
             return bad("a cube whose faces are not square");
         }
         let (has_height, has_levels) = (height > 0, levels > 0);
+        let (has_depth, has_layers) = (depth > 0, layers > 0);
         let (height, depth, layers) = (height.max(1), depth.max(1), layers.max(1));
         let most = 32 - width.max(height).max(depth).leading_zeros();
         if levels > most {
@@ -125,6 +128,8 @@ impl<'a> Container<'a> {
         let places = Places {
             type_size,
             has_height,
+            has_depth,
+            has_layers,
             has_levels,
             descriptor: pair(48),
             values: pair(56),
@@ -170,40 +175,47 @@ impl<'a> Container<'a> {
 
     /// Whether the key-value data consist of entries (3.11).
     pub fn check_values(&self) -> Result<(), ImageError> {
-        let mut rest = self.values;
-        while !rest.is_empty() {
-            let entry = rest.split_first_chunk::<4>().and_then(|(length, more)| {
-                let length = u32::from_le_bytes(*length) as usize;
-                let entry = more.get(..length)?;
-                let key = entry.iter().position(|&b| b == 0)?;
-                // The padding of the last entry may be left out.
-                Some((key > 0, more.get(length.next_multiple_of(4)..).unwrap_or_default()))
-            });
-            match entry {
-                Some((true, more)) => rest = more,
-                _ => {
-                    return Err(ImageError::damaged(
-                        F,
-                        "the key-value data do not consist of keys and values",
-                    ));
-                }
-            }
+        let (last, rest) = self.entries().last().map_or((true, self.values), |e| (!e.key.is_empty(), e.rest));
+        // What is left after the last entry is no entry; an empty key is none either.
+        if last && rest.is_empty() && self.entries().all(|e| !e.key.is_empty()) {
+            return Ok(());
         }
-        Ok(())
+        Err(ImageError::damaged(F, "the key-value data do not consist of keys and values"))
+    }
+
+    /// The keys and values, up to the first that is cut off.
+    pub fn entries(&self) -> impl Iterator<Item = Entry<'a>> {
+        let mut rest = self.values;
+        std::iter::from_fn(move || {
+            let (length, more) = rest.split_first_chunk::<4>()?;
+            let length = u32::from_le_bytes(*length) as usize;
+            let entry = more.get(..length)?;
+            let end = entry.iter().position(|&b| b == 0)?;
+            // The padding of the last entry may be left out.
+            let padded = length.next_multiple_of(4).min(more.len());
+            let padding = &more[length..padded];
+            rest = &more[padded..];
+            Some(Entry { key: &entry[..end], value: &entry[end + 1..], padding, rest })
+        })
+    }
+
+    /// Whether the last entry is padded as the others are.
+    pub fn values_end_whole(&self) -> bool {
+        self.values.len().is_multiple_of(4)
     }
 
     /// The value of a key; the first, if a damaged file has several (3.11).
     pub fn value(&self, key: &str) -> Option<&'a [u8]> {
-        let mut rest = self.values;
-        while let Some((length, more)) = rest.split_first_chunk::<4>() {
-            let length = u32::from_le_bytes(*length) as usize;
-            let entry = more.get(..length)?;
-            let end = entry.iter().position(|&b| b == 0)?;
-            if &entry[..end] == key.as_bytes() {
-                return Some(&entry[end + 1..]);
-            }
-            rest = more.get(length.next_multiple_of(4)..)?;
-        }
-        None
+        self.entries().find(|e| e.key == key.as_bytes()).map(|e| e.value)
     }
+}
+
+/// A key with its value.
+pub(super) struct Entry<'a> {
+    pub key: &'a [u8],
+    pub value: &'a [u8],
+    /// What stands between it and the next.
+    pub padding: &'a [u8],
+    /// What follows.
+    rest: &'a [u8],
 }

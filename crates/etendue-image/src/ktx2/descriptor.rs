@@ -37,9 +37,14 @@ pub(super) struct Sample {
 pub(super) struct Descriptor {
     pub model: Model,
     pub srgb: bool,
+    /// Numbers of the Khronos Data Format, tables 5.10 and 5.11.
+    pub primaries: u32,
+    pub transfer: u32,
     pub premultiplied: bool,
     /// Bytes of a texel of plain samples.
     pub texel_bytes: u32,
+    /// Bytes of a block of texels as the file says; 0 if it does not.
+    pub plane_bytes: u32,
     pub samples: Vec<Sample>,
 }
 
@@ -116,9 +121,12 @@ impl Descriptor {
         }
         Ok(Self {
             model: kind,
-            srgb: model >> 16 & 255 == 2,
+            srgb: transfer == 2,
+            primaries,
+            transfer,
             premultiplied: model >> 24 & 1 == 1,
             texel_bytes,
+            plane_bytes: planes & 255,
             samples,
         })
     }

@@ -13,6 +13,7 @@ mod etc1s;
 mod huffman;
 mod inflate;
 mod plain;
+mod remarks;
 mod uastc;
 
 use crate::{DecodeLimits, Image, ImageError, Pixels, bc6h};
@@ -256,8 +257,11 @@ pub(crate) fn plain_picture(
     let descriptor = Descriptor {
         model: Model::Plain,
         srgb: false,
+        primaries: 0,
+        transfer: 1,
         premultiplied: false,
         texel_bytes: texel,
+        plane_bytes: texel,
         samples: samples.collect(),
     };
     Ok(View::PLAIN.apply(plain::image(bytes, width, height, &descriptor)?))

@@ -41,6 +41,23 @@ pub(crate) struct Node<'v> {
 }
 
 impl<'v> Node<'v> {
+    /// One that is nothing but a place for a mesh.
+    pub fn of_mesh(mesh: u32) -> Self {
+        Self {
+            name: "",
+            children: Vec::new(),
+            mesh: Some(mesh),
+            skin: None,
+            camera: None,
+            light: None,
+            ies: None,
+            weights: None,
+            local: None,
+            visible: true,
+            instancing: None,
+        }
+    }
+
     pub fn read(r: &mut Reader<'v>, v: &'v Value) -> Result<Self, Fault> {
         let o = r.object(v)?;
         r.other_extensions(o, &ext::ON_NODE);

@@ -209,9 +209,12 @@ fn join(all: &mut Info, mut one: Info, label: &str) {
     all.cameras.append(&mut one.cameras);
     all.lights.append(&mut one.lights);
     all.animations.append(&mut one.animations);
-    for w in one.unusual {
-        let pointer = if w.pointer.is_empty() { label.to_owned() } else { format!("{label}: {}", w.pointer) };
-        all.unusual.push(Warning { pointer, ..w });
+    for (from, to) in [(one.unusual, &mut all.unusual), (one.breaches, &mut all.breaches)] {
+        to.extend(from.into_iter().map(|w| {
+            let pointer =
+                if w.pointer.is_empty() { label.to_owned() } else { format!("{label}: {}", w.pointer) };
+            Warning { pointer, ..w }
+        }));
     }
     let (a, b) = (&mut all.sizes, &one.sizes);
     a.json += b.json;

@@ -45,6 +45,7 @@ struct Args {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Verdict {
     Loaded,
+    Blamed,
     Refused,
     Unsupported,
     Tolerated,
@@ -57,8 +58,9 @@ enum Verdict {
 }
 
 impl Verdict {
-    const ALL: [(Self, &str); 10] = [
+    const ALL: [(Self, &str); 11] = [
         (Self::Loaded, "valid, loaded"),
+        (Self::Blamed, "valid, blamed"),
         (Self::Refused, "broken, refused"),
         (Self::Tolerated, "broken, warned"),
         (Self::Silent, "broken, silent"),
@@ -75,12 +77,16 @@ impl Verdict {
             (Outcome::Panicked(_), _) => Self::Panic,
             (Outcome::Hung, _) => Self::Hang,
             (Outcome::Greedy(_), _) => Self::Memory,
-            (_, Expected::Either) | (Outcome::Refused { missing: true, .. }, Expected::Valid) => Self::Either,
-            (Outcome::Loaded { .. }, Expected::Valid) => Self::Loaded,
-            (Outcome::Refused { unsupported: true, .. }, Expected::Valid) => Self::Unsupported,
-            (Outcome::Refused { .. }, Expected::Valid) => Self::WronglyRefused,
+            (_, Expected::Either)
+            | (Outcome::Refused { missing: true, .. }, Expected::Valid | Expected::Readable) => Self::Either,
+            (Outcome::Loaded { breaches, .. }, Expected::Valid) if *breaches > 0 => Self::Blamed,
+            (Outcome::Loaded { .. }, Expected::Valid | Expected::Readable) => Self::Loaded,
+            (Outcome::Refused { unsupported: true, .. }, Expected::Valid | Expected::Readable) => {
+                Self::Unsupported
+            }
+            (Outcome::Refused { .. }, Expected::Valid | Expected::Readable) => Self::WronglyRefused,
             (Outcome::Refused { .. }, Expected::Invalid) => Self::Refused,
-            (Outcome::Loaded { warnings }, Expected::Invalid) if *warnings > 0 => Self::Tolerated,
+            (Outcome::Loaded { warnings, .. }, Expected::Invalid) if *warnings > 0 => Self::Tolerated,
             (Outcome::Loaded { .. }, Expected::Invalid) => Self::Silent,
         }
     }
@@ -123,7 +129,8 @@ fn suite(args: &Args, folder: &Path, name: &str) -> Result<Row, Box<dyn Error>> 
         row.seconds = row.seconds.max(run.seconds);
         let verdict = Verdict::of(expected, &run.outcome);
         *row.counts.entry(verdict).or_default() += 1;
-        let odd = !verdict.is_good() || matches!(verdict, Verdict::Silent | Verdict::Unsupported);
+        let odd =
+            !verdict.is_good() || matches!(verdict, Verdict::Silent | Verdict::Unsupported | Verdict::Blamed);
         if args.list && odd || !verdict.is_good() {
             let what = Verdict::ALL.iter().find(|v| v.0 == verdict).map_or("", |v| v.1);
             println!("{name}/{}: {what}: {}", inside.display(), run.outcome);

@@ -5,7 +5,7 @@ use super::info::table;
 use super::model_args::CheckArgs;
 use super::output::{bytes, count};
 use super::{CliError, load, say};
-use crate::import::Imported;
+use crate::import::{ImportOptions, Imported};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
@@ -43,8 +43,9 @@ impl Checked {
     /// Of a model that loaded.
     pub fn loaded(path: &Path, model: &Imported) -> Self {
         let (name, info) = (path.display().to_string(), &model.info);
-        let verdict = if model.warnings.is_empty() { Verdict::Good } else { Verdict::Warned };
-        let notes: u64 = model.warnings.iter().map(|w| w.count).sum();
+        let all = || model.warnings.iter().chain(&info.breaches);
+        let verdict = if all().next().is_none() { Verdict::Good } else { Verdict::Warned };
+        let notes: u64 = all().map(|w| w.count).sum();
         let row = vec![
             name.clone(),
             verdict.word().into(),
@@ -64,9 +65,10 @@ impl Checked {
             "bytes": info.bytes + info.external_bytes,
             "triangles": info.counts.shown_triangles,
             "warnings": model.warnings,
+            "breaches": info.breaches,
             "unusual": info.unusual,
         });
-        let messages = model.warnings.iter().map(ToString::to_string).collect();
+        let messages = all().map(ToString::to_string).collect();
         Self { verdict, row, messages, json }
     }
 
@@ -146,7 +148,7 @@ impl Checklist {
 }
 
 pub(crate) fn run(args: &CheckArgs) -> Result<(), CliError> {
-    let options = args.limits.options();
+    let options = ImportOptions { conformance: true, ..args.limits.options() };
     let mut list = Checklist::default();
     for path in find_models(&args.files)? {
         let started = Instant::now();

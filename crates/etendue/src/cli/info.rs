@@ -9,7 +9,8 @@ use std::fmt::Write;
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), CliError> {
     let loading = Loading::new(!args.json);
-    let options = ImportOptions { progress: Some(loading.progress()), ..args.limits.options() };
+    let options =
+        ImportOptions { conformance: true, progress: Some(loading.progress()), ..args.limits.options() };
     let imported = load::read(args.model.as_deref(), &options, None)?;
     drop(loading);
     if args.json {
@@ -260,6 +261,8 @@ fn text(imported: &Imported) -> String {
     table(&mut out, "animations", &rows);
     let rows: Vec<_> = imported.warnings.iter().map(|w| vec![w.to_string()]).collect();
     table(&mut out, "warnings", &rows);
+    let rows: Vec<_> = info.breaches.iter().map(|w| vec![w.to_string()]).collect();
+    table(&mut out, "against the specification", &rows);
     let rows: Vec<_> = info.unusual.iter().map(|w| vec![w.to_string()]).collect();
     table(&mut out, "unusual", &rows);
     out
