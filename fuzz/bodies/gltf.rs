@@ -14,7 +14,7 @@ pub fn run(data: &[u8]) {
         geometry_bytes: 1 << 25,
         ..Limits::default()
     };
-    let mut options = ImportOptions { limits, ..ImportOptions::default() };
+    let mut options = ImportOptions { limits, conformance: true, drafts: true, ..ImportOptions::default() };
     for at in [None, Some(0.5)] {
         options.at = at;
         options.animation = AnimationChoice::All;
