@@ -8,6 +8,7 @@ use crate::warning::Warnings;
 use crate::{clean, plan, tangents};
 use etendue_scene::{Instance, Material, Mesh, Sampler, Scene, Texture};
 use glam::{Affine3A, Vec3};
+use std::sync::Arc;
 
 /// A scene under construction.
 #[derive(Default)]
@@ -103,7 +104,7 @@ impl Assembly {
             });
         }
         let mut scene = Scene {
-            meshes: self.meshes,
+            meshes: self.meshes.into_iter().map(Arc::new).collect(),
             instances,
             materials: self.materials,
             textures: self.textures,

@@ -24,7 +24,7 @@ use etendue_scene::{Environment, Mesh, Scene};
 use glam::{Affine3A, DAffine3};
 use rayon::prelude::*;
 use serde_json::Value;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::RangeInclusive;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -79,8 +79,20 @@ pub(crate) struct Gltf<'f> {
     sky: Option<Environment>,
     /// By number in the file.
     images: Mutex<HashMap<u32, Decoded>>,
-    /// Meshes of the last moment that no joint moves, if they are kept.
-    meshes: Option<Mutex<HashMap<MeshKey, Arc<Mesh>>>>,
+    /// Meshes of the last moment, if they are kept.
+    meshes: Option<Mutex<HashMap<MeshKey, Kept>>>,
+}
+
+/// A mesh, and where the joints of its skin were.
+#[derive(Clone)]
+struct Kept {
+    mesh: Arc<Mesh>,
+    joints: Vec<Affine3A>,
+}
+
+/// The joints that the job's mesh hangs on.
+fn joints_of<'j>(job: &Job, joints: &'j HashMap<u32, Vec<Affine3A>>) -> Option<&'j [Affine3A]> {
+    job.key.skin.as_ref().and_then(|s| joints.get(&s.skin)).map(Vec::as_slice)
 }
 
 /// Reads glTF or GLB.
@@ -148,7 +160,7 @@ impl<'f> Gltf<'f> {
         })
     }
 
-    /// Keeps a copy of meshes that do not change from moment to moment, so that they are built once.
+    /// Keeps meshes that do not change from moment to moment, so that they are built once.
     pub fn keep_meshes(&mut self) {
         self.meshes = Some(Mutex::default());
     }
@@ -199,8 +211,14 @@ impl<'f> Gltf<'f> {
         if let Some(p) = &self.progress {
             p.expect(jobs.len() + textures.images.len());
         }
-        let (meshes, images) =
-            rayon::join(|| self.build_all(&jobs, &joints), || self.decode_all(&textures.images, &source));
+        let known = match &self.meshes {
+            Some(m) => m.lock().unwrap_or_else(PoisonError::into_inner).clone(),
+            None => HashMap::new(),
+        };
+        let (meshes, images) = rayon::join(
+            || self.build_all(&jobs, &joints, &known),
+            || self.decode_all(&textures.images, &source),
+        );
         // In the order of the file, whichever thread was first.
         let mut built = Vec::with_capacity(meshes.len());
         for m in meshes {
@@ -208,7 +226,7 @@ impl<'f> Gltf<'f> {
             warnings.extend(w);
             built.push(mesh);
         }
-        self.remember(&jobs, &built);
+        self.remember(&jobs, &joints, &built);
         let images = images?;
         cameras.sort_by_key(|&(number, _)| number);
 
@@ -225,7 +243,8 @@ impl<'f> Gltf<'f> {
             variants,
         };
         drop_empty_meshes(&mut scene);
-        scene.validate().map_err(|e| Fault::invalid("", e.0))?;
+        let sound: HashSet<*const Mesh> = known.values().map(|k| Arc::as_ptr(&k.mesh)).collect();
+        scene.validate_but(|m| sound.contains(&Arc::as_ptr(m))).map_err(|e| Fault::invalid("", e.0))?;
         texture::check_encoding(&scene, &textures.images, &images, &mut warnings);
         let mut info = Info::of_document(doc);
         info.file = self.name.to_owned();
@@ -264,37 +283,33 @@ impl<'f> Gltf<'f> {
         &self,
         jobs: &[Job],
         joints: &HashMap<u32, Vec<Affine3A>>,
-    ) -> Vec<Result<(Mesh, Warnings), Fault>> {
-        let known = match &self.meshes {
-            Some(m) => m.lock().unwrap_or_else(PoisonError::into_inner).clone(),
-            None => HashMap::new(),
-        };
+        known: &HashMap<MeshKey, Kept>,
+    ) -> Vec<Result<(Arc<Mesh>, Warnings), Fault>> {
         jobs.par_iter()
             .map(|job| {
                 let mut warnings = Warnings::default();
-                if let Some(mesh) = known.get(&job.key) {
+                let joints = joints_of(job, joints);
+                if let Some(k) = known.get(&job.key).filter(|k| k.joints == joints.unwrap_or_default()) {
                     self.step();
-                    return Ok((Mesh { name: job.name.clone(), ..(**mesh).clone() }, warnings));
+                    let same = k.mesh.name == job.name;
+                    let named = || Arc::new(Mesh { name: job.name.clone(), ..(*k.mesh).clone() });
+                    return Ok((if same { k.mesh.clone() } else { named() }, warnings));
                 }
-                let joints = job.key.skin.as_ref().and_then(|s| joints.get(&s.skin)).map(Vec::as_slice);
                 let mesh = job.build(self.accessors(), joints, &mut warnings)?;
                 self.step();
-                Ok((mesh, warnings))
+                Ok((Arc::new(mesh), warnings))
             })
             .collect()
     }
 
     /// Keeps what the next moment may need again, and nothing else.
-    fn remember(&self, jobs: &[Job], meshes: &[Mesh]) {
+    fn remember(&self, jobs: &[Job], joints: &HashMap<u32, Vec<Affine3A>>, meshes: &[Arc<Mesh>]) {
         let Some(kept) = &self.meshes else { return };
-        let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-        let still = jobs.iter().zip(meshes).filter(|(job, _)| job.key.skin.is_none());
-        *kept = still
-            .map(|(job, mesh)| {
-                let known = kept.get(&job.key).cloned();
-                (job.key.clone(), known.unwrap_or_else(|| Arc::new(mesh.clone())))
-            })
-            .collect();
+        let now = jobs.iter().zip(meshes).map(|(job, mesh)| {
+            let joints = joints_of(job, joints).unwrap_or_default().to_vec();
+            (job.key.clone(), Kept { mesh: mesh.clone(), joints })
+        });
+        *kept.lock().unwrap_or_else(PoisonError::into_inner) = now.collect();
     }
 }
 

@@ -89,8 +89,8 @@ enum Content<'f> {
     Still(Box<Imported>),
 }
 
-/// A model that can be shown at any moment of its animation. Pictures are decoded once, and so are the meshes that neither
-/// a skin nor a morph target changes.
+/// A model that can be shown at any moment of its animation. Pictures are decoded once. Meshes that are the same as at the
+/// moment before are not built again: both scenes share them (the same `Arc`).
 pub struct Model<'f> {
     name: &'f str,
     content: Content<'f>,

@@ -276,7 +276,7 @@ fn skinned_and_morphed_meshes_get_tangents_afterwards() {
     }
     m.json["skins"][0].as_object_mut().unwrap().remove("inverseBindMatrices");
     let mesh = m.import().scene.meshes.remove(0);
-    for t in mesh.tangents {
+    for t in &mesh.tangents {
         assert!((t - Vec4::new(0., 1., 0., 1.)).length() < 1e-6, "{t}");
     }
 }

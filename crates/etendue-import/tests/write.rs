@@ -181,7 +181,7 @@ fn crowds_are_instanced_and_others_stand_alone() {
     let shear = Mat3A::from_cols(Vec3A::X, Vec3A::new(0.5, 1.0, 0.0), Vec3A::new(0.0, 0.0, -2.0));
     instances.push(instance("sheared", Affine3A { matrix3: shear, translation: Vec3A::ONE }));
     let scene = Scene {
-        meshes: vec![triangle()],
+        meshes: vec![triangle().into()],
         instances,
         materials: vec![Material::default()],
         ..Scene::default()
@@ -223,7 +223,7 @@ fn lights_cameras_variants_and_odd_values() {
     let mut turned = instance("turned", Affine3A::from_scale(Vec3::new(1.0, -2.0, 0.0)));
     turned.material = None;
     let scene = Scene {
-        meshes: vec![triangle()],
+        meshes: vec![triangle().into()],
         instances: vec![instance("one", Affine3A::IDENTITY), turned],
         materials: vec![a, b],
         lights: vec![spot, light("point", LightKind::Point, Vec3::ONE)],
@@ -250,7 +250,7 @@ fn pictures_keep_their_files_or_become_png() {
     };
     let texture = |texture, transform| Some(TextureRef { texture, uv_set: 0, transform });
     let scene = Scene {
-        meshes: vec![triangle()],
+        meshes: vec![triangle().into()],
         instances: vec![instance("one", Affine3A::IDENTITY)],
         materials: vec![Material {
             base_color_texture: texture(0, transform),

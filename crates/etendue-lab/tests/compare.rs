@@ -9,7 +9,7 @@ use glam::{Affine3A, Vec3};
 
 fn add(scene: &mut Scene, mesh: Mesh, material: Material) {
     scene.materials.push(material);
-    scene.meshes.push(mesh);
+    scene.meshes.push(mesh.into());
     scene.instances.push(Instance {
         name: String::new(),
         mesh: scene.meshes.len() as u32 - 1,

@@ -1,19 +1,21 @@
 //! A short name for "exactly this picture", so that films of different pictures are not added.
 
 use crate::Settings;
-use crate::motion::{Moment, Shutter};
+use crate::{Moment, Shutter};
 use crc32fast::Hasher;
 use etendue_image::{Image, Pixels};
-use etendue_scene::{Camera, Environment, Mesh, Scene};
+use etendue_scene::{Camera, Environment, Material, Mesh, Scene};
 use rayon::prelude::*;
+use std::collections::HashMap;
+use std::sync::{Arc, Weak};
 
 /// Raised when a change makes the same scene and settings give other samples.
 const SAMPLES_VERSION: u32 = 2;
 
-/// CRC-32 of all that the scene's light depends on. `images` are the CRCs of its images, `sky` that of its sky's picture.
-pub(crate) fn scene(scene: &Scene, images: &[u32], sky: u32) -> u32 {
+/// CRC-32 of all that the light of a scene with these `materials` depends on. `meshes` and `images` are the CRCs of its meshes and
+/// images, `sky` that of its sky's picture.
+pub(crate) fn scene(scene: &Scene, materials: &[Material], meshes: &[u32], images: &[u32], sky: u32) -> u32 {
     let mut h = Hasher::new();
-    let meshes: Vec<u32> = scene.meshes.par_iter().map(mesh).collect();
     for crc in meshes.iter().chain(images) {
         h.update(&crc.to_le_bytes());
     }
@@ -21,7 +23,7 @@ pub(crate) fn scene(scene: &Scene, images: &[u32], sky: u32) -> u32 {
         floats(&mut h, i.transform.to_cols_array());
         h.update(format!("{:?}", (&i.name, i.mesh, i.material)).as_bytes());
     }
-    h.update(format!("{:?}", (&scene.materials, &scene.textures, &scene.lights)).as_bytes());
+    h.update(format!("{:?}", (materials, &scene.textures, &scene.lights)).as_bytes());
     if !scene.profiles.is_empty() {
         h.update(format!("{:?}", scene.profiles).as_bytes());
     }
@@ -45,25 +47,81 @@ pub(crate) fn picture(scene: u32, camera: &Camera, settings: &Settings) -> Strin
 }
 
 /// The name of the picture that [`crate::Renderer`] makes of `scene`, without making it ready for that.
-pub fn picture_id(of: &Scene, camera: &Camera, settings: &Settings) -> String {
-    let images: Vec<u32> = of.images.par_iter().map(|i| image(i)).collect();
-    let sky = match &of.environment {
-        Environment::LatLong { image: i, .. } => image(i),
-        Environment::Constant(_) => 0,
-    };
-    picture(scene(of, &images, sky), camera, settings)
+pub fn picture_id(scene: &Scene, camera: &Camera, settings: &Settings) -> String {
+    Checksums::default().picture_id(scene, camera, settings)
 }
 
-/// The name of the picture of what moves as `digest` says, from the first to the last of the `ends`.
-pub(crate) fn moving_id(ends: &[Moment; 2], shutter: &Shutter, settings: &Settings, digest: u32) -> String {
-    let mut h = Hasher::new();
-    ends.iter().for_each(|m| h.update(picture_id(&m.scene, &m.camera, settings).as_bytes()));
-    h.update(&digest.to_le_bytes());
-    let scene = h.clone().finalize();
-    h.update(b"shutter");
-    h.update(&shutter.open.to_le_bytes());
-    h.update(&shutter.close.to_le_bytes());
-    format!("{scene:08x}{:08x}", h.finalize())
+/// CRCs of meshes and images that have been seen, so that each is read once, however many scenes share it.
+#[derive(Debug, Default)]
+pub(crate) struct Checksums {
+    pub meshes: Known<Mesh>,
+    pub images: Known<Image>,
+}
+
+impl Checksums {
+    /// See [`picture_id`].
+    pub fn picture_id(&mut self, of: &Scene, camera: &Camera, settings: &Settings) -> String {
+        let meshes = self.meshes.of(&of.meshes, mesh);
+        let images = self.images.of(&of.images, image);
+        let sky = match &of.environment {
+            Environment::LatLong { image: i, .. } => self.images.of(std::slice::from_ref(i), image)[0],
+            Environment::Constant(_) => 0,
+        };
+        picture(scene(of, &of.materials, &meshes, &images, sky), camera, settings)
+    }
+
+    /// The name of the picture of what moves as `digest` says, from the first to the last of the `ends`.
+    pub fn moving_id(
+        &mut self,
+        ends: &[Moment; 2],
+        shutter: &Shutter,
+        settings: &Settings,
+        digest: u32,
+    ) -> String {
+        let mut h = Hasher::new();
+        ends.iter().for_each(|m| h.update(self.picture_id(&m.scene, &m.camera, settings).as_bytes()));
+        h.update(&digest.to_le_bytes());
+        let scene = h.clone().finalize();
+        h.update(b"shutter");
+        h.update(&shutter.open.to_le_bytes());
+        h.update(&shutter.close.to_le_bytes());
+        h.update(&shutter.block().to_le_bytes());
+        format!("{scene:08x}{:08x}", h.finalize())
+    }
+}
+
+/// CRCs by what they are of. An entry's weak reference keeps its address from being given to something else.
+#[derive(Debug)]
+pub(crate) struct Known<T>(HashMap<usize, (Weak<T>, u32)>);
+
+impl<T> Default for Known<T> {
+    fn default() -> Self {
+        Self(HashMap::new())
+    }
+}
+
+impl<T: Send + Sync> Known<T> {
+    pub fn learn(&mut self, thing: &Weak<T>, crc: u32) {
+        if thing.strong_count() > 0 {
+            self.0.insert(thing.as_ptr().addr(), (thing.clone(), crc));
+        }
+    }
+
+    /// The CRCs of `things`, by `crc` where they are not known.
+    pub fn of(&mut self, things: &[Arc<T>], crc: impl Fn(&T) -> u32 + Sync) -> Vec<u32> {
+        if self.0.len() > 2 * things.len() + 64 {
+            self.0.retain(|_, (thing, _)| thing.strong_count() > 0);
+        }
+        let known = &self.0;
+        let all: Vec<u32> = things
+            .par_iter()
+            .map(|t| known.get(&Arc::as_ptr(t).addr()).map_or_else(|| crc(t), |(_, crc)| *crc))
+            .collect();
+        for (t, crc) in things.iter().zip(&all) {
+            self.0.entry(Arc::as_ptr(t).addr()).or_insert_with(|| (Arc::downgrade(t), *crc));
+        }
+        all
+    }
 }
 
 fn floats(h: &mut Hasher, values: impl IntoIterator<Item = f32>) {
@@ -80,7 +138,8 @@ fn floats(h: &mut Hasher, values: impl IntoIterator<Item = f32>) {
     h.update(&block[..at]);
 }
 
-fn mesh(m: &Mesh) -> u32 {
+/// CRC-32 of all of a mesh but its name.
+pub(crate) fn mesh(m: &Mesh) -> u32 {
     let mut h = Hasher::new();
     floats(&mut h, m.positions.iter().flat_map(|v| v.to_array()));
     floats(&mut h, m.normals.iter().flat_map(|v| v.to_array()));

@@ -24,6 +24,18 @@ pub(crate) struct LightBounds {
     pub intensity: f32,
 }
 
+impl LightBounds {
+    /// Nothing that shines.
+    pub const DARK: Self = Self {
+        bounds: Bounds::EMPTY,
+        axis: Vec3A::Y,
+        cos_spread: 1.0,
+        cos_reach: 0.0,
+        two_sided: false,
+        intensity: 0.0,
+    };
+}
+
 fn angle(cos: f32) -> f32 {
     cos.clamp(-1.0, 1.0).acos()
 }
@@ -152,6 +164,15 @@ impl LightTree {
 
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
+    }
+
+    /// What the tree was built over; lights that are never drawn are dark in it.
+    pub fn lights(&self) -> Vec<LightBounds> {
+        let mut all = vec![LightBounds::DARK; self.trails.len()];
+        for n in self.nodes.iter().filter(|n| n.next & LEAF != 0) {
+            all[(n.next & !LEAF) as usize] = n.light;
+        }
+        all
     }
 
     fn build(&mut self, lights: &[LightBounds], order: &mut [u32], trail: u64, depth: u32) -> LightBounds {

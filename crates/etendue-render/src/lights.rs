@@ -4,9 +4,10 @@ use crate::distribution::Distribution1;
 use crate::emission_map::EmissionMap;
 use crate::light_tree::{LightBounds, LightTree};
 use crate::lookup::Lookup;
+use crate::mesh_data::MeshData;
 use crate::sky::Sky;
 use crate::surface::emitted;
-use crate::world::{MeshData, World};
+use crate::world::{InstanceData, World};
 use etendue_bxdf::sampling::uniform_triangle;
 use etendue_color::Spectrum;
 use etendue_scene::{AimedProfile, Bounds, Light, LightKind, TextureRef};
@@ -66,8 +67,9 @@ pub(crate) struct Lights {
 const NONE: u32 = u32::MAX;
 
 impl Lights {
-    /// The lights of `world` under `sky`, which is its environment made ready.
-    pub fn new(world: &World, sky: Sky) -> Self {
+    /// The lights of `world` under `sky`, which is its environment made ready. `before` are those of another moment, and which
+    /// instances emit what they emitted then; they need not be looked at again.
+    pub fn new(world: &World, sky: Sky, before: Option<(Lights, Vec<bool>)>) -> Self {
         let scene = &world.scene;
         let (directional, punctual): (Vec<_>, Vec<_>) = scene
             .lights
@@ -82,64 +84,85 @@ impl Lights {
         let mut weights = vec![sky.sampled_irradiance()];
         weights.extend(directional.iter().map(|l| brightness(Spectrum::from_rgb(l.intensity.to_array()))));
         let far = Distribution1::new(weights.iter().copied());
-
-        let mut emitters = Vec::new();
-        let mut bounds = Vec::new();
-        let mut emitter_of = vec![Vec::new(); scene.instances.len()];
-        let mut maps: HashMap<u32, EmissionMap> = HashMap::new();
-        for (i, instance) in world.instances.iter().enumerate() {
-            let m = &scene.materials[instance.material as usize];
-            if !m.is_emissive() || m.unlit {
-                continue;
-            }
-            let count = world.meshes[instance.mesh as usize].indices.len() as u32;
-            if emitters.len() + count as usize >= (1 << 31) {
-                break;
-            }
-            let map = m.emissive_texture.as_ref().map(|t| {
-                &*maps.entry(t.texture).or_insert_with(|| {
-                    let texture = &scene.textures[t.texture as usize];
-                    EmissionMap::new(&scene.images[texture.image as usize], texture.sampler)
-                })
-            });
-            let mesh = &world.meshes[instance.mesh as usize];
-            let lit: Vec<u32> = (0..count)
-                .into_par_iter()
-                .filter(|&t| match (map, &m.emissive_texture) {
-                    (Some(map), Some(r)) => map.may_emit(texture_corners(mesh, r, t)),
-                    _ => true,
-                })
-                .collect();
-            if lit.is_empty() {
-                continue;
-            }
-            emitter_of[i] = vec![NONE; count as usize];
-            for &t in &lit {
-                emitter_of[i][t as usize] = emitters.len() as u32;
-                emitters.push(Emitter::Triangle { instance: i as u32, triangle: t });
-            }
-            bounds.par_extend(lit.into_par_iter().map(|t| triangle_bounds(world, i as u32, t)));
-        }
-        for (i, l) in punctual.iter().enumerate() {
-            emitters.push(Emitter::Punctual(i as u32));
-            bounds.push(punctual_bounds(l, profiles.get(i).and_then(Option::as_ref)));
-        }
-        Self {
-            tree: LightTree::new(&bounds),
+        let mut lights = Self {
             sky: Some(sky),
             far_irradiance: far.total() as f32,
             far: (far.total() > 0.0).then_some(far),
             directional,
             punctual,
             profiles,
-            emitters,
-            emitter_of,
+            ..Self::default()
+        };
+        let emits = |instance: &InstanceData| {
+            let m = &scene.materials[instance.material as usize];
+            m.is_emissive() && !m.unlit
+        };
+        let mut old = Old::default();
+        if let Some((before, same)) = before {
+            let still = |(i, instance): (usize, &InstanceData)| {
+                same[i] || !emits(instance) && before.emitter_of[i].is_empty()
+            };
+            if before.punctual == lights.punctual
+                && before.profiles == lights.profiles
+                && same.len() == before.emitter_of.len()
+                && world.instances.iter().enumerate().all(still)
+            {
+                let Self { tree, emitters, emitter_of, .. } = before;
+                return Self { tree, emitters, emitter_of, ..lights };
+            }
+            old = Old { bounds: before.tree.lights(), emitter_of: before.emitter_of, same };
         }
+        let mut bounds = Vec::new();
+        lights.emitter_of = vec![Vec::new(); scene.instances.len()];
+        let mut maps: HashMap<u32, EmissionMap> = HashMap::new();
+        for (i, instance) in world.instances.iter().enumerate().filter(|(_, i)| emits(i)) {
+            let mesh = &world.meshes[instance.mesh as usize];
+            let count = mesh.indices.len() as u32;
+            if lights.emitters.len() + count as usize >= (1 << 31) {
+                break;
+            }
+            let (lit, its_bounds) = match old.of(i) {
+                Some(known) => known,
+                None => {
+                    let m = &scene.materials[instance.material as usize];
+                    let map = m.emissive_texture.as_ref().map(|t| {
+                        &*maps.entry(t.texture).or_insert_with(|| {
+                            let texture = &scene.textures[t.texture as usize];
+                            EmissionMap::new(&scene.images[texture.image as usize], texture.sampler)
+                        })
+                    });
+                    let lit: Vec<u32> = (0..count)
+                        .into_par_iter()
+                        .filter(|&t| match (map, &m.emissive_texture) {
+                            (Some(map), Some(r)) => map.may_emit(texture_corners(mesh, r, t)),
+                            _ => true,
+                        })
+                        .collect();
+                    let its_bounds = lit.par_iter().map(|&t| triangle_bounds(world, i as u32, t)).collect();
+                    (lit, its_bounds)
+                }
+            };
+            if lit.is_empty() {
+                continue;
+            }
+            lights.emitter_of[i] = vec![NONE; count as usize];
+            for &t in &lit {
+                lights.emitter_of[i][t as usize] = lights.emitters.len() as u32;
+                lights.emitters.push(Emitter::Triangle { instance: i as u32, triangle: t });
+            }
+            bounds.extend(its_bounds);
+        }
+        for (i, l) in lights.punctual.iter().enumerate() {
+            lights.emitters.push(Emitter::Punctual(i as u32));
+            bounds.push(punctual_bounds(l, lights.profiles.get(i).and_then(Option::as_ref)));
+        }
+        lights.tree = LightTree::new(&bounds);
+        lights
     }
 
-    /// The sky alone.
-    pub fn into_sky(self) -> Option<Sky> {
-        self.sky
+    /// Takes the sky out.
+    pub fn take_sky(&mut self) -> Option<Sky> {
+        self.sky.take()
     }
 
     pub fn count(&self) -> usize {
@@ -248,6 +271,24 @@ impl Lights {
         let d2 = (point - choice.point).length_squared();
         let projected = 0.5 * twice.dot(d).abs();
         if projected > 0.0 { chosen * d2 / projected } else { 0.0 }
+    }
+}
+
+/// What is known of the emissive triangles of another moment.
+#[derive(Default)]
+struct Old {
+    /// Of each emitter.
+    bounds: Vec<LightBounds>,
+    emitter_of: Vec<Vec<u32>>,
+    same: Vec<bool>,
+}
+
+impl Old {
+    /// The triangles of instance `i` that emit, and their bounds, if they are the same now.
+    fn of(&self, i: usize) -> Option<(Vec<u32>, Vec<LightBounds>)> {
+        let emitters = self.emitter_of.get(i).filter(|_| self.same.get(i) == Some(&true))?;
+        let lit = (0u32..).zip(emitters).filter(|(_, e)| **e != NONE);
+        Some(lit.map(|(t, &e)| (t, self.bounds[e as usize])).unzip())
     }
 }
 
@@ -408,11 +449,12 @@ mod tests {
             [(Vec3::new(0.0, 0.2, 0.0), true), (Vec3::new(2.0, 1.0, 0.3), false)].into_iter().enumerate()
         {
             let p = |x: f32, z: f32| center + Vec3::new(x, 0.1 * x, 0.5 * z);
-            s.meshes.push(Mesh {
+            let mesh = Mesh {
                 positions: vec![p(-1.0, -1.0), p(1.0, -1.0), p(1.0, 1.0), p(-1.0, 1.0)],
                 indices: vec![[0, 1, 2], [0, 2, 3]],
                 ..Mesh::default()
-            });
+            };
+            s.meshes.push(mesh.into());
             s.materials.push(Material {
                 emissive: Vec3::splat(2.0 + k as f32),
                 double_sided: two_sided,

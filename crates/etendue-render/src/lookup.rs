@@ -1,7 +1,8 @@
 //! Textures at one point of a surface.
 
+use crate::mesh_data::MeshData;
 use crate::texels::Texels;
-use crate::world::{MeshData, World};
+use crate::world::World;
 use etendue_scene::{Footprint, Sampler, TextureRef};
 use glam::{Affine2, Vec4};
 

@@ -1,35 +1,47 @@
 //! Motion blur: the picture of a scene that changes while the shutter is open.
 //!
-//! The picture is the mean over the shutter's time of the pictures of its moments. Sample `i` of every pixel is taken at the
-//! moment [`crate::moment`]`(seed, i)`: for each sample the world of its moment is made anew, so that whatever moves, however
-//! it moves, is where it is at that time: surfaces by their transforms, skins and morph targets, lights, the camera, the
-//! values of materials. Nothing is interpolated, and a picture of one moment knows nothing of time and pays nothing for it.
-//! Moments are stratified: n samples per pixel see n moments, one in each n-th of the time where n is a power of two.
-//! (Haeberli, Akeley 1990, "The Accumulation Buffer", section 4.3, with one sample per pixel and moment.)
+//! The picture is the mean over the shutter's time of the pictures of its moments. Each sample is taken at a moment that
+//! [`Shutter::time`] says; for each moment there is a world, in which whatever moves, however it moves, is where it is at that
+//! time: surfaces by their transforms, skins and morph targets, lights, the camera, the values of materials. Nothing is
+//! interpolated, and a picture of one moment knows nothing of time and pays nothing for it. A world is made of that of the moment
+//! before ([`World::again`]), and costs what has changed. Moments are stratified, for each pixel and among neighbours; see
+//! `moments.rs`. (Haeberli, Akeley 1990, "The Accumulation Buffer", section 4.3, where all pixels of a sample share a moment.)
 //!
 //! A sample remains a pure function of (seed, pixel, index), so that parts merge and interrupted runs go on to the bit.
 
-use crate::{Counters, Film, Renderer, Settings, World};
+use crate::fingerprint::Checksums;
+use crate::moments::Block;
+use crate::renderer::{Pick, ranges_with};
+use crate::{Counters, Film, Renderer, Settings, Shutter, World};
 use etendue_scene::{Camera, InvalidScene, Scene};
+use std::time::{Duration, Instant};
 
-/// The time during which light falls on the film, seconds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shutter {
-    /// When it opens.
-    pub open: f64,
-    /// When it closes; not before it opens.
-    pub close: f64,
+/// Worlds of one scene at several moments, each made of what is still good of the last.
+#[derive(Default)]
+pub struct Series {
+    world: Option<World>,
+    checksums: Checksums,
 }
 
-impl Shutter {
-    /// Open for `seconds`, half of them before `middle`.
-    pub fn around(middle: f64, seconds: f64) -> Self {
-        Self { open: middle - 0.5 * seconds, close: middle + 0.5 * seconds }
+impl Series {
+    /// Makes the world of `scene`: that of [`World::new`], and faster where it shares meshes and images (the same
+    /// [`std::sync::Arc`]) with the last one.
+    ///
+    /// # Errors
+    /// What [`Scene::validate`] finds.
+    pub fn world(&mut self, scene: Scene) -> Result<&World, InvalidScene> {
+        let world = World::build(scene, self.world.take(), &mut self.checksums)?;
+        Ok(self.world.insert(world))
     }
 
-    /// When the sample `index` of a picture with this `seed` is taken.
-    pub fn time(&self, seed: u32, index: u32) -> f64 {
-        self.open + (self.close - self.open) * crate::moment(seed, index)
+    /// The world that was made last.
+    pub fn last(&self) -> Option<&World> {
+        self.world.as_ref()
+    }
+
+    /// As [`crate::picture_id`], without reading again what is known of an earlier scene.
+    pub fn picture_id(&mut self, scene: &Scene, camera: &Camera, settings: &Settings) -> String {
+        self.checksums.picture_id(scene, camera, settings)
     }
 }
 
@@ -45,7 +57,7 @@ pub struct Moment {
 /// Renders samples of one picture of a scene that moves. `M` says what there is to see at a time in seconds.
 ///
 /// ```
-/// use etendue_render::{Moment, MovingRenderer, Settings, Shutter};
+/// use etendue_render::{Moment, MovingRenderer, Series, Settings, Shutter};
 /// use etendue_scene::{Camera, Environment, InvalidScene, Scene};
 /// use glam::Vec3;
 /// // A sky that brightens from 0 to 1 within a second.
@@ -54,35 +66,42 @@ pub struct Moment {
 ///     Ok::<_, InvalidScene>(Moment { scene, camera: Camera::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, 1.0) })
 /// };
 /// let settings = Settings { width: 1, height: 1, ..Settings::default() };
-/// let mut renderer = MovingRenderer::new(at, Shutter { open: 0.0, close: 1.0 }, settings, 0)?;
+/// let mut series = Series::default();
+/// let mut renderer = MovingRenderer::new(at, Shutter::around(0.5, 1.0), settings, 0, &mut series)?;
 /// let mut film = renderer.film();
 /// renderer.render(&mut film, 0, 64, &Default::default())?;
 /// assert!((film.mean(0, 0) - 0.5).abs() < 1.0 / 64.0);
 /// # Ok::<(), InvalidScene>(())
 /// ```
-pub struct MovingRenderer<M> {
+pub struct MovingRenderer<'s, M> {
     at: M,
     shutter: Shutter,
     settings: Settings,
     id: String,
-    /// Of the moment before.
-    world: Option<World>,
+    series: &'s mut Series,
+    preparing: Duration,
 }
 
-impl<M, E> MovingRenderer<M>
+impl<'s, M, E> MovingRenderer<'s, M>
 where
     M: Fn(f64) -> Result<Moment, E>,
     E: From<InvalidScene>,
 {
-    /// A renderer of what `at` says while the shutter is open. `digest` names how things move: [`Self::picture_id`] depends on it,
-    /// on the moments at which the shutter opens and closes, and on the shutter.
+    /// A renderer of what `at` says while the shutter is open, whose worlds go on from the last of the `series`. `digest` names how
+    /// things move: [`Self::picture_id`] depends on it, on the moments at which the shutter opens and closes, and on the shutter.
     ///
     /// # Errors
     /// What `at` returns.
-    pub fn new(at: M, shutter: Shutter, settings: Settings, digest: u32) -> Result<Self, E> {
+    pub fn new(
+        at: M,
+        shutter: Shutter,
+        settings: Settings,
+        digest: u32,
+        series: &'s mut Series,
+    ) -> Result<Self, E> {
         let ends = [at(shutter.open)?, at(shutter.close)?];
-        let id = crate::fingerprint::moving_id(&ends, &shutter, &settings, digest);
-        Ok(Self { at, shutter, settings, id, world: None })
+        let id = series.checksums.moving_id(&ends, &shutter, &settings, digest);
+        Ok(Self { at, shutter, settings, id, series, preparing: Duration::ZERO })
     }
 
     /// The settings that it was made with.
@@ -102,25 +121,65 @@ where
 
     /// The world of the moment that was rendered last.
     pub fn world(&self) -> Option<&World> {
-        self.world.as_ref()
+        self.series.last()
+    }
+
+    /// How many samples share their moments: taken at once, as many as that need a world each, and fewer need as many.
+    pub fn block(&self) -> u32 {
+        self.shutter.block()
+    }
+
+    /// The time that the worlds of moments have taken so far.
+    pub fn preparing(&self) -> Duration {
+        self.preparing
     }
 
     /// Takes the samples `from..to` of every pixel and adds them to `film`.
     ///
     /// # Errors
-    /// What the source of moments returns; the film then holds the samples before that moment.
+    /// What the source of moments returns. The film then holds light of samples that it does not count, and is of no use.
     ///
     /// # Panics
     /// As [`Renderer::render`].
     pub fn render(&mut self, film: &mut Film, from: u32, to: u32, counters: &Counters) -> Result<(), E> {
-        for index in from..to {
-            let Moment { scene, camera } = (self.at)(self.shutter.time(self.settings.seed, index))?;
-            let world = match self.world.take() {
-                Some(before) => before.again(scene),
-                None => World::new(scene),
-            }?;
-            Renderer::new(&world, camera, self.settings.clone()).render(film, index, index + 1, counters);
-            self.world = Some(world);
+        let ranges = ranges_with(film, &self.settings, from, to);
+        let mut at = from;
+        while at < to {
+            let block = Block::new(&self.shutter, self.settings.seed, at);
+            let end = to.min(block.first.saturating_add(block.size()));
+            self.block_of(film, &block, at, end, counters)?;
+            at = end;
+        }
+        film.ranges = ranges;
+        Ok(())
+    }
+
+    /// The samples `from..to` of a block, in the order of time.
+    fn block_of(
+        &mut self,
+        film: &mut Film,
+        block: &Block,
+        from: u32,
+        to: u32,
+        counters: &Counters,
+    ) -> Result<(), E> {
+        // A small picture may not have pixels of all classes.
+        let side = self.settings.width.min(64);
+        let pixels = (0..self.settings.height.min(64)).flat_map(|y| (0..side).map(move |x| (x, y)));
+        let mut classes: Vec<u32> = pixels.map(|(x, y)| block.class(x, y)).collect();
+        classes.sort_unstable();
+        classes.dedup();
+        for part in 0..block.size() {
+            if !classes.iter().any(|c| (from..to).contains(&block.sample(part, *c))) {
+                continue;
+            }
+            let begun = Instant::now();
+            let time = self.shutter.time_of(self.settings.seed, block.sample_of(part));
+            let Moment { scene, camera } = (self.at)(time)?;
+            let world = self.series.world(scene)?;
+            self.preparing += begun.elapsed();
+            let pick = Pick::Part { block, part, from, to };
+            Renderer::new(world, camera, self.settings.clone()).add(film, &pick, counters);
         }
         Ok(())
     }

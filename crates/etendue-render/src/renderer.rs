@@ -3,6 +3,7 @@
 use crate::film::{BEAUTY_PLANES, Film};
 use crate::filter::Filter;
 use crate::fixed::Running;
+use crate::moments::Block;
 use crate::path::{Layers, PathOptions, PathSample, Source, trace};
 use crate::pixel_rays::PixelRays;
 use crate::sampler::Sampler;
@@ -106,7 +107,7 @@ impl<'a> Renderer<'a> {
 
     /// Names exactly this picture: scene, camera and settings. Films with the same name add.
     pub fn picture_id(&self) -> String {
-        crate::fingerprint::picture(self.world.fingerprint, &self.camera, &self.settings)
+        crate::fingerprint::picture(self.world.fingerprint(), &self.camera, &self.settings)
     }
 
     /// An empty film of the right size and passes.
@@ -140,25 +141,27 @@ impl<'a> Renderer<'a> {
     /// # Panics
     /// If `film` has another size or other passes, or already holds one of the samples.
     pub fn render(&self, film: &mut Film, from: u32, to: u32, counters: &Counters) {
+        let ranges = ranges_with(film, &self.settings, from, to);
+        self.add(film, &Pick::Range(from, to), counters);
+        film.ranges = ranges;
+    }
+
+    /// Adds the samples of a pick to the film's sums, and leaves it to the caller to say which those are.
+    pub(crate) fn add(&self, film: &mut Film, pick: &Pick<'_>, counters: &Counters) {
         let (w, h) = (film.width, film.height);
-        assert_eq!((w, h, film.passes), (self.settings.width, self.settings.height, self.settings.passes));
-        let ranges = film.ranges.union(&crate::SampleRanges::new([(from, to)]).expect("one range"));
-        let ranges = ranges.expect("the film holds none of these samples");
         let across = w.div_ceil(TILE);
         let shared = Mutex::new(&mut *film);
         (0..across * h.div_ceil(TILE)).into_par_iter().for_each(|tile| {
             let (x0, y0) = (tile % across * TILE, tile / across * TILE);
             let size = [TILE.min(w - x0), TILE.min(h - y0)];
-            let part = run_wide(TileWork { renderer: self, at: [x0, y0], size, samples: [from, to] });
+            let part = run_wide(TileWork { renderer: self, at: [x0, y0], size, pick });
             counters.closest_rays.fetch_add(part.rays[0], Ordering::Relaxed);
             counters.any_rays.fetch_add(part.rays[1], Ordering::Relaxed);
-            let count = u64::from(size[0]) * u64::from(size[1]) * u64::from(to - from);
-            counters.samples.fetch_add(count, Ordering::Relaxed);
+            counters.samples.fetch_add(part.samples, Ordering::Relaxed);
             // A thread that panicked has left whole tiles only; the panic itself is passed on by the pool.
             let mut film = shared.lock().unwrap_or_else(|e| e.into_inner());
             part.add_to(&mut film, [x0, y0], size);
         });
-        film.ranges = ranges;
     }
 
     #[inline(always)]
@@ -166,8 +169,7 @@ impl<'a> Renderer<'a> {
         &self,
         at: [u32; 2],
         size: [u32; 2],
-        from: u32,
-        to: u32,
+        pick: &Pick<'_>,
     ) -> Tile {
         let passes = self.settings.passes;
         let stride = Film::stride_of(passes);
@@ -180,6 +182,8 @@ impl<'a> Renderer<'a> {
         }
         for (i, sums) in t.sums.chunks_exact_mut(stride).enumerate() {
             let (x, y) = (at[0] + i as u32 % size[0], at[1] + i as u32 / size[0]);
+            let (from, to) = pick.of(x, y);
+            t.samples += u64::from(to - from);
             let mut beauty = [Running::default(); BEAUTY_PLANES];
             let mut layers = Layers::default();
             for index in from..to {
@@ -256,25 +260,59 @@ fn add_layers(sums: &mut [Fixed], passes: PassSet, l: &Layers) {
     }
 }
 
+/// The samples that a film holds when it has `from..to`, too.
+///
+/// # Panics
+/// If it is of another picture or has one of them.
+pub(crate) fn ranges_with(film: &Film, settings: &Settings, from: u32, to: u32) -> crate::SampleRanges {
+    let of = |w, h, passes| (w, h, passes);
+    assert_eq!(
+        of(film.width, film.height, film.passes),
+        of(settings.width, settings.height, settings.passes)
+    );
+    let ranges = film.ranges.union(&crate::SampleRanges::new([(from, to)]).expect("one range"));
+    ranges.expect("the film holds none of these samples")
+}
+
+/// Which samples of each pixel are to be taken.
+pub(crate) enum Pick<'a> {
+    /// From the first to before the second, of every pixel.
+    Range(u32, u32),
+    /// Of those, the one that the pixel takes in a part of the time.
+    Part { block: &'a Block, part: u32, from: u32, to: u32 },
+}
+
+impl Pick<'_> {
+    fn of(&self, x: u32, y: u32) -> (u32, u32) {
+        match *self {
+            Self::Range(from, to) => (from, to),
+            Self::Part { block, part, from, to } => {
+                let i = block.sample(part, block.class(x, y));
+                if from <= i && i < to { (i, i + 1) } else { (i, i) }
+            }
+        }
+    }
+}
+
 /// A square of pixels to be sampled.
 struct TileWork<'a> {
     renderer: &'a Renderer<'a>,
     at: [u32; 2],
     size: [u32; 2],
-    samples: [u32; 2],
+    pick: &'a Pick<'a>,
 }
 
 impl Work for TileWork<'_> {
     type Output = Tile;
     #[inline(always)]
     fn run(self) -> Tile {
-        let Self { renderer, at, size, samples: [from, to] } = self;
+        let Self { renderer, at, size, pick } = self;
         // Each form costs seconds of compilation: where speed matters less, one does for all scenes.
         let layers = !renderer.settings.passes.is_empty() || renderer.settings.path.light_only;
         match (layers, renderer.whole) {
-            (true, _) => renderer.tile::<true, true>(at, size, from, to),
-            (false, true) => renderer.tile::<false, true>(at, size, from, to),
-            (false, false) => renderer.tile::<false, false>(at, size, from, to),
+            (true, _) => renderer.tile::<true, true>(at, size, pick),
+            (false, true) => renderer.tile::<false, true>(at, size, pick),
+            (false, false) => renderer.tile::<false, false>(at, size, pick),
         }
     }
 }
@@ -285,6 +323,7 @@ struct Tile {
     sums: Vec<Fixed>,
     ids: [Vec<Coverage>; 2],
     rays: [u64; 2],
+    samples: u64,
     rejected: u64,
 }
 

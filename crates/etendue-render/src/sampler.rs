@@ -103,15 +103,19 @@ pub(crate) fn unit(x: u32) -> f32 {
     (x >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// The moment of the sample `index` of every pixel, as a part of the time that the shutter is open, in [0, 1): van der Corput's
+/// A moment for the sample `index`, as a part of the time that the shutter is open, in [0, 1): van der Corput's
 /// sequence, Owen-scrambled by `seed`. Of the first 2^k samples, as of every later block of 2^k that begins at a multiple,
 /// each of 2^k equal parts of the time holds one.
 ///
 /// The dimensions of [`Sampler::get4`] take the index in an order of their own in each pixel, so that they are independent of
 /// this one.
 pub fn moment(seed: u32, index: u32) -> f64 {
-    let x = laine_karras(index, hash(seed ^ 0x7f4a_7c15)).reverse_bits();
-    f64::from(x) / 4_294_967_296.0
+    f64::from(moment_bits(seed, index)) / 4_294_967_296.0
+}
+
+/// The same as a binary fraction.
+pub(crate) fn moment_bits(seed: u32, index: u32) -> u32 {
+    laine_karras(index, hash(seed ^ 0x7f4a_7c15)).reverse_bits()
 }
 
 impl Sampler {

@@ -56,11 +56,16 @@ impl Sky {
                         texels.push(Spectrum::rgb(c(0), c(1), c(2)));
                     }
                 }
-                let turn = (f64::from(*rotation) / std::f64::consts::TAU).rem_euclid(1.0) as f32;
+                let turn = turns(*rotation);
                 let (distribution, irradiance) = concentrated_part(&texels, w, h);
                 Self { texels, width: w, height: h, turn, distribution, irradiance }
             }
         }
+    }
+
+    /// The same sky, turned to `rotation` instead (radians; see [`Environment::LatLong`]).
+    pub(crate) fn turned(self, rotation: f32) -> Self {
+        Self { turn: turns(rotation), ..self }
     }
 
     /// True if directions can be drawn; otherwise the sky is constant and scattering alone finds it.
@@ -148,6 +153,11 @@ impl Sky {
         (t(y0 + x0) * (1.0 - tx) + t(y0 + x1) * tx) * (1.0 - ty)
             + (t(y1 + x0) * (1.0 - tx) + t(y1 + x1) * tx) * ty
     }
+}
+
+/// Radians as turns between 0 and 1.
+fn turns(rotation: f32) -> f32 {
+    (f64::from(rotation) / std::f64::consts::TAU).rem_euclid(1.0) as f32
 }
 
 /// The density over the picture of what exceeds the sky's mean, and that part's irradiance.

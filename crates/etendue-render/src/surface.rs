@@ -1,7 +1,8 @@
 //! A hit becomes a surface: where it is, how it is turned, what it is made of.
 
 use crate::lookup::Lookup;
-use crate::world::{MeshData, Vertex, World};
+use crate::mesh_data::{MeshData, Vertex};
+use crate::world::World;
 use etendue_bxdf::sampling::basis;
 use etendue_bxdf::{MetalRough, MetalRoughParams, Schlick};
 use etendue_color::Spectrum;

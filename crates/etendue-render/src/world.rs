@@ -1,40 +1,19 @@
 //! The scene made ready for rays: acceleration structure, interleaved vertices, lights.
 
 use crate::body::{Body, Kind};
+use crate::fingerprint::Checksums;
+use crate::kept::Kept;
 use crate::lights::Lights;
 use crate::lookup::Lookup;
+use crate::mesh_data::{MeshData, Origin};
 use crate::sampler::{hash, unit};
-use crate::sky::Sky;
 use crate::texels::Texels;
-use etendue_image::{Image, Pixels};
-use etendue_scene::{AlphaMode, Environment, InvalidScene, Material, Scene};
+use etendue_image::Image;
+use etendue_scene::{AlphaMode, Instance, InvalidScene, Material, Mesh, Scene};
 use etendue_trace::{Accel, Hit, Ray};
-use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
-use rayon::prelude::*;
+use glam::{Affine3A, Mat3A, Vec3A};
 use std::collections::HashSet;
 use std::sync::{Arc, Weak};
-
-/// One vertex, all that shading needs of it in 48 bytes, so that a hit touches few cache lines.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Vertex {
-    pub position: Vec3,
-    pub normal: Vec3,
-    pub tangent: Vec4,
-    pub uv: Vec2,
-}
-
-/// A mesh as shading reads it.
-#[derive(Debug)]
-pub(crate) struct MeshData {
-    pub vertices: Vec<Vertex>,
-    pub indices: Vec<[u32; 3]>,
-    /// Texture coordinate sets from the second one on.
-    pub more_uvs: Vec<Vec<Vec2>>,
-    pub colors: Vec<Vec4>,
-    pub has_uv: bool,
-    pub has_normals: bool,
-    pub has_tangents: bool,
-}
 
 /// An instance as shading reads it.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +29,26 @@ pub(crate) struct InstanceData {
     pub baked: bool,
 }
 
+impl InstanceData {
+    /// As it stands in the scene; without a material it has that of the number `default`.
+    fn new(i: &Instance, default: u32) -> Self {
+        let m = i.transform.matrix3;
+        let det = m.determinant();
+        // The matrix of cofactors is det · inverse transpose, and exists when the inverse does not.
+        let cofactors =
+            Mat3A::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
+        let handedness = if det < 0.0 { -1.0 } else { 1.0 };
+        Self {
+            mesh: i.mesh,
+            material: i.material.unwrap_or(default),
+            to_world: i.transform,
+            normal_to_world: cofactors * handedness,
+            handedness,
+            baked: false,
+        }
+    }
+}
+
 /// A scene ready to be rendered.
 pub struct World {
     pub(crate) scene: Scene,
@@ -62,11 +61,12 @@ pub struct World {
     pub(crate) bodies: Vec<Body>,
     /// Distance by which rays start off a surface at the origin of the world; grows with the coordinates.
     pub(crate) epsilon: f32,
-    pub(crate) fingerprint: u32,
     build_seconds: [f64; 2],
+    /// What the meshes were made of.
+    pub(crate) origins: Vec<Origin>,
     /// What the images were made of, and its CRC.
-    sources: Vec<(Weak<Image>, u32)>,
-    sky_crc: u32,
+    pub(crate) sources: Vec<(Weak<Image>, u32)>,
+    pub(crate) sky_crc: u32,
 }
 
 impl World {
@@ -75,58 +75,47 @@ impl World {
     /// # Errors
     /// What [`Scene::validate`] finds.
     pub fn new(scene: Scene) -> Result<Self, InvalidScene> {
-        Self::build(scene, None)
+        Self::build(scene, None, &mut Checksums::default())
     }
 
-    /// The world of `scene`, which is this one's at another moment: images and sky that both share (the same [`Arc`]) are
-    /// taken over instead of being prepared again. The result is that of [`World::new`].
+    /// The world of `scene`, which is this one's at another moment: meshes, images and sky that both share (the same [`Arc`]), and
+    /// lights and trees of what did not move, are taken over instead of being prepared again. The result is that of
+    /// [`World::new`]: the same pictures, to the bit.
     ///
     /// # Errors
     /// What [`Scene::validate`] finds.
     pub fn again(self, scene: Scene) -> Result<Self, InvalidScene> {
-        Self::build(scene, Some(self))
+        Self::build(scene, Some(self), &mut Checksums::default())
     }
 
-    fn build(mut scene: Scene, before: Option<World>) -> Result<Self, InvalidScene> {
-        scene.validate()?;
+    pub(crate) fn build(
+        mut scene: Scene,
+        before: Option<World>,
+        checksums: &mut Checksums,
+    ) -> Result<Self, InvalidScene> {
         let start = std::time::Instant::now();
         let mut kept = Kept::of(before);
-        let (sky, sky_crc) = kept.sky(&scene.environment);
-        let accel = Accel::build(&scene);
+        kept.tell(checksums);
+        scene.validate_but(|m| kept.meshes.knows(m))?;
+        let (sky, sky_crc) = kept.sky(&scene.environment, checksums);
+        let accel = match kept.accel.take() {
+            Some(a) => a.again(&scene),
+            None => Accel::build(&scene),
+        };
         let traced = start.elapsed().as_secs_f64();
         // After the tree, whose building takes more memory than the tree.
         let needed = emitting_images(&scene);
-        let (sources, images): (Vec<_>, Vec<_>) = kept.images(&mut scene.images, &needed).into_iter().unzip();
-        let crcs: Vec<u32> = sources.iter().map(|(_, crc)| *crc).collect();
-        let fingerprint = crate::fingerprint::scene(&scene, &crcs, sky_crc);
+        let (sources, images): (Vec<_>, Vec<_>) =
+            kept.images(&mut scene.images, &needed, checksums).into_iter().unzip();
         // One material more than the file has: glTF's default.
         let default = scene.materials.len() as u32;
         scene.materials.push(Material::default());
-        let mut instances: Vec<InstanceData> = scene
-            .instances
-            .iter()
-            .map(|i| {
-                let m = i.transform.matrix3;
-                let det = m.determinant();
-                // The matrix of cofactors is det · inverse transpose, and exists when the inverse does not.
-                let cofactors = Mat3A::from_cols(
-                    m.y_axis.cross(m.z_axis),
-                    m.z_axis.cross(m.x_axis),
-                    m.x_axis.cross(m.y_axis),
-                );
-                let handedness = if det < 0.0 { -1.0 } else { 1.0 };
-                InstanceData {
-                    mesh: i.mesh,
-                    material: i.material.unwrap_or(default),
-                    to_world: i.transform,
-                    normal_to_world: cofactors * handedness,
-                    handedness,
-                    baked: false,
-                }
-            })
-            .collect();
-        let mut meshes: Vec<MeshData> = scene.meshes.par_iter_mut().map(MeshData::take).collect();
-        bake(&mut meshes, &mut instances);
+        let mut instances: Vec<InstanceData> =
+            scene.instances.iter().map(|i| InstanceData::new(i, default)).collect();
+        let names = |m: &Arc<Mesh>| Arc::new(Mesh { name: m.name.clone(), ..Mesh::default() });
+        let names = scene.meshes.iter().map(names).collect();
+        let meshes = std::mem::replace(&mut scene.meshes, names);
+        let (meshes, origins) = std::mem::take(&mut kept.meshes).prepare(meshes, &mut instances, checksums);
         let bounds = accel.bounds();
         let mut world = Self {
             images,
@@ -137,15 +126,25 @@ impl World {
             bodies: scene.materials.iter().map(Body::new).collect(),
             epsilon: (bounds.diagonal() * 2e-7).max(1e-12),
             scene,
-            fingerprint,
             build_seconds: [traced, 0.0],
+            origins,
             sources,
             sky_crc,
         };
-        world.lights = Lights::new(&world, sky);
+        let lights = kept.lights.take().map(|l| (l, kept.unchanged(&world)));
+        world.lights = Lights::new(&world, sky, lights);
         world.scene.images = Vec::new();
         world.build_seconds[1] = start.elapsed().as_secs_f64() - traced;
         Ok(world)
+    }
+
+    /// CRC-32 of all that the scene's light depends on.
+    pub(crate) fn fingerprint(&self) -> u32 {
+        let meshes: Vec<u32> = self.origins.iter().map(|o| o.crc).collect();
+        let images: Vec<u32> = self.sources.iter().map(|(_, crc)| *crc).collect();
+        // The last material is not the scene's.
+        let materials = &self.scene.materials[..self.scene.materials.len() - 1];
+        crate::fingerprint::scene(&self.scene, materials, &meshes, &images, self.sky_crc)
     }
 
     /// The scene that was prepared. Its images and its meshes' arrays were moved into the renderer's own layout and are empty.
@@ -239,129 +238,4 @@ impl World {
 fn emitting_images(scene: &Scene) -> HashSet<usize> {
     let textures = scene.materials.iter().filter_map(|m| m.emissive_texture.as_ref());
     textures.map(|t| scene.textures[t.texture as usize].image as usize).collect()
-}
-
-/// What a world leaves to the next.
-#[derive(Default)]
-struct Kept {
-    images: Vec<(Weak<Image>, u32, Texels)>,
-    sky: Option<(Environment, Sky, u32)>,
-}
-
-impl Kept {
-    fn of(world: Option<World>) -> Self {
-        let Some(w) = world else { return Self::default() };
-        let images = w.sources.into_iter().zip(w.images).map(|((source, crc), t)| (source, crc, t)).collect();
-        let sky = w.lights.into_sky().map(|sky| (w.scene.environment, sky, w.sky_crc));
-        Self { images, sky }
-    }
-
-    /// Source, CRC and prepared form of each image. Those that are not `needed` any more are let go as soon as they are
-    /// prepared, so that a model's pictures are never in memory twice.
-    fn images(
-        &mut self,
-        images: &mut [Arc<Image>],
-        needed: &HashSet<usize>,
-    ) -> Vec<((Weak<Image>, u32), Texels)> {
-        let mut known: Vec<Option<(u32, Texels)>> = images
-            .iter()
-            .map(|i| {
-                let same = |k: &(Weak<Image>, u32, Texels)| std::ptr::eq(k.0.as_ptr(), Arc::as_ptr(i));
-                let at = self.images.iter().position(same)?;
-                let (_, crc, texels) = self.images.swap_remove(at);
-                Some((crc, texels))
-            })
-            .collect();
-        self.images.clear();
-        let nothing = Arc::new(Image { width: 1, height: 1, channels: 1, pixels: Pixels::U8(vec![0]) });
-        images
-            .par_iter_mut()
-            .zip(&mut known)
-            .enumerate()
-            .map(|(k, (i, known))| {
-                let made = || (crate::fingerprint::image(i), Texels::new(i.clone()));
-                let (crc, texels) = known.take().unwrap_or_else(made);
-                let source = Arc::downgrade(i);
-                if !needed.contains(&k) {
-                    *i = nothing.clone();
-                }
-                ((source, crc), texels)
-            })
-            .collect()
-    }
-
-    /// The sky, and the CRC of its picture.
-    fn sky(&mut self, environment: &Environment) -> (Sky, u32) {
-        match (self.sky.take(), environment) {
-            (
-                Some((Environment::LatLong { image: a, rotation: r, intensity: i }, sky, crc)),
-                Environment::LatLong { image, rotation, intensity },
-            ) if Arc::ptr_eq(&a, image) && (r, i) == (*rotation, *intensity) => (sky, crc),
-            (_, Environment::LatLong { image, .. }) => {
-                (Sky::new(environment), crate::fingerprint::image(image))
-            }
-            (_, Environment::Constant(_)) => (Sky::new(environment), 0),
-        }
-    }
-}
-
-/// Moves the vertices of meshes that stand in one place there, so that no hit has to.
-fn bake(meshes: &mut [MeshData], instances: &mut [InstanceData]) {
-    let mut places = vec![0u32; meshes.len()];
-    instances.iter().for_each(|i| places[i.mesh as usize] += 1);
-    for i in instances.iter_mut().filter(|i| places[i.mesh as usize] == 1) {
-        meshes[i.mesh as usize].vertices.par_iter_mut().for_each(|v| {
-            v.position = i.to_world.transform_point3a(v.position.into()).into();
-            v.normal = (i.normal_to_world * Vec3A::from(v.normal)).normalize_or_zero().into();
-            let t = i.to_world.matrix3 * Vec3A::from_vec4(v.tangent);
-            v.tangent = t.normalize_or_zero().extend(v.tangent.w);
-        });
-        i.to_world = Affine3A::IDENTITY;
-        i.normal_to_world = Mat3A::IDENTITY;
-        i.baked = true;
-    }
-}
-
-impl MeshData {
-    /// Moves the arrays out of the scene's mesh into the layout that shading reads.
-    fn take(mesh: &mut etendue_scene::Mesh) -> Self {
-        let mut uvs = std::mem::take(&mut mesh.uvs);
-        let first = if uvs.is_empty() { Vec::new() } else { uvs.remove(0) };
-        let (has_uv, has_normals, has_tangents) =
-            (!first.is_empty(), !mesh.normals.is_empty(), !mesh.tangents.is_empty());
-        let vertices = (0..mesh.positions.len())
-            .map(|i| Vertex {
-                position: mesh.positions[i],
-                normal: mesh.normals.get(i).copied().unwrap_or(Vec3::ZERO),
-                tangent: mesh.tangents.get(i).copied().unwrap_or(Vec4::ZERO),
-                uv: first.get(i).copied().unwrap_or(Vec2::ZERO),
-            })
-            .collect();
-        mesh.positions = Vec::new();
-        mesh.normals = Vec::new();
-        mesh.tangents = Vec::new();
-        Self {
-            vertices,
-            indices: std::mem::take(&mut mesh.indices),
-            more_uvs: uvs,
-            colors: std::mem::take(&mut mesh.colors),
-            has_uv,
-            has_normals,
-            has_tangents,
-        }
-    }
-
-    /// Texture coordinate of set `set` at barycentric `w`; (0, 0) if there is no such set.
-    #[inline(always)]
-    pub(crate) fn uv(&self, set: u32, corners: [u32; 3], w: [f32; 3]) -> Vec2 {
-        let [a, b, c] = if set == 0 {
-            corners.map(|k| self.vertices[k as usize].uv)
-        } else {
-            match self.more_uvs.get(set as usize - 1) {
-                Some(uv) => corners.map(|k| uv[k as usize]),
-                None => return Vec2::ZERO,
-            }
-        };
-        a * w[0] + b * w[1] + c * w[2]
-    }
 }

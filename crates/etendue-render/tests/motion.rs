@@ -2,11 +2,13 @@
 mod common;
 
 use common::{add, lambert, lamp, parallel};
-use etendue_render::{Film, Filter, Moment, MovingRenderer, PathOptions, Renderer, Settings, Shutter, World};
+use etendue_render::{
+    Film, Filter, Moment, MovingRenderer, PathOptions, Renderer, Series, Settings, Shutter, World,
+};
 use etendue_scene::{Camera, InvalidScene, Light, LightKind, Mesh, Scene};
 use glam::{Affine3A, Vec3};
 
-const OPEN: Shutter = Shutter { open: 2.0, close: 4.0 };
+const OPEN: Shutter = Shutter { open: 2.0, close: 4.0, moments: 64 };
 const SAMPLES: u32 = 512;
 
 /// A quadrilateral in the plane z = 0.
@@ -32,7 +34,8 @@ fn row() -> (Camera, Settings) {
 
 fn film(at: impl Fn(f64) -> Moment, settings: Settings, samples: std::ops::Range<u32>) -> Film {
     let at = |t| Ok::<_, InvalidScene>(at(t));
-    let mut r = MovingRenderer::new(at, OPEN, settings, 0).expect("sound");
+    let mut series = Series::default();
+    let mut r = MovingRenderer::new(at, OPEN, settings, 0, &mut series).expect("sound");
     let mut film = r.film();
     r.render(&mut film, samples.start, samples.end, &Default::default()).expect("sound");
     film
@@ -185,11 +188,13 @@ fn parts_stillness_and_names() {
 
     let name = |shutter, digest| {
         let at = |t| Ok::<_, InvalidScene>(at(t));
-        MovingRenderer::new(at, shutter, settings.clone(), digest).expect("sound").picture_id()
+        let mut series = Series::default();
+        MovingRenderer::new(at, shutter, settings.clone(), digest, &mut series).expect("sound").picture_id()
     };
     assert_eq!(name(OPEN, 0), name(OPEN, 0));
     let longer = Shutter { close: 4.5, ..OPEN };
     assert_ne!(name(OPEN, 0), name(longer, 0));
+    assert_ne!(name(OPEN, 0), name(Shutter { moments: 1, ..OPEN }, 0));
     assert_ne!(name(OPEN, 0), name(OPEN, 1));
     assert_ne!(name(OPEN, 0), still.picture_id());
 }

@@ -242,7 +242,7 @@ mod tests {
         };
         let transform = Affine3A::from_translation(Vec3::new(5.0, 0.0, 0.0));
         let instance = crate::Instance { name: String::new(), mesh: 0, material: None, transform };
-        let scene = Scene { meshes: vec![mesh], instances: vec![instance], ..Scene::default() };
+        let scene = Scene { meshes: vec![mesh.into()], instances: vec![instance], ..Scene::default() };
         let points = [Vec3A::new(5.0, 0.0, 0.0), Vec3A::new(6.0, 0.0, 0.0), Vec3A::new(5.0, 1.0, 0.0)];
         // Without the vertex that no triangle uses.
         assert_eq!(Camera::framing(&scene, 1.0, 0.6), Camera::framing_points(points, 1.0, 0.6));

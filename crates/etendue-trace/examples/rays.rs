@@ -84,7 +84,7 @@ fn pool(threads: usize) -> rayon::ThreadPool {
 fn main() {
     let triangles = std::env::args().nth(1).and_then(|a| a.parse().ok()).unwrap_or(1_000_000);
     let instance = Instance { name: String::new(), mesh: 0, material: None, transform: Affine3A::IDENTITY };
-    let scene = Scene { meshes: vec![room(triangles)], instances: vec![instance], ..Scene::default() };
+    let scene = Scene { meshes: vec![room(triangles).into()], instances: vec![instance], ..Scene::default() };
     let all = std::thread::available_parallelism().map_or(1, |n| n.get());
     let count = scene.triangle_count();
     for threads in [1, all] {

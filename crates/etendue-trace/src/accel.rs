@@ -1,18 +1,21 @@
 //! Two levels: one tree in world space, and one for each mesh that stands in several places.
 
 use crate::build::{MAX_DEPTH, Reference};
-use crate::instance::{Placement, placements};
+#[cfg(test)]
+use crate::instance::Placement;
+use crate::instance::placements;
 use crate::lanes::{Array, Lanes};
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::{Avx2, Sse2};
+use crate::level::{Level, Places, corners, has_area};
+use crate::motion::{self, Levels, State};
 use crate::query::{Best, NONE, Query};
 use crate::ray::{Hit, Prepared, Ray, Slack};
 use crate::traverse::{STACK, walk};
-use crate::triangle::ALPHA;
 use crate::wide::{Primitive, Tree, WIDTH, triangle_bounds};
 use etendue_scene::{Bounds, Mesh, Scene};
-use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
+use std::sync::{Arc, Weak};
 
 const _: () = assert!(MAX_DEPTH * (WIDTH - 1) < STACK);
 
@@ -48,10 +51,17 @@ impl Kernel {
 
 /// The scene's triangles, ready to be hit by rays. See the crate's documentation for how it is laid out.
 pub struct Accel {
-    pub(crate) world: Tree,
+    /// What moves; everything, if nothing is known of that.
+    pub(crate) own: Level,
+    /// What has stood still from scene to scene.
+    still: Option<Level>,
     /// Trees in mesh space, of the meshes that stand in several places.
     pub(crate) meshes: Vec<Tree>,
-    pub(crate) placements: Vec<Placement>,
+    /// What they are of.
+    sources: Vec<Weak<Mesh>>,
+    /// Per instance.
+    states: Vec<State>,
+    bounds: Bounds,
     slack: Slack,
     triangles: u64,
     kernel: Kernel,
@@ -67,23 +77,6 @@ impl std::fmt::Debug for Accel {
     }
 }
 
-/// Positions of a mesh's triangle.
-fn corners(mesh: &Mesh, triangle: u32) -> [Vec3A; 3] {
-    mesh.indices[triangle as usize].map(|i| mesh.positions[i as usize].into())
-}
-
-/// True if a triangle has an area worth the name: its edges are not parallel to within `f64` rounding, and its
-/// normal does not vanish in `f32`. Others are left out of the trees.
-pub(crate) fn has_area(p: &[Vec3A; 3]) -> bool {
-    if !p.iter().all(|p| p.is_finite()) {
-        return false;
-    }
-    let [a, b, c] = p.map(|p| DVec3::new(p.x as f64, p.y as f64, p.z as f64));
-    let (e, f) = (b - a, c - a);
-    let area = e.cross(f).length();
-    area > 4.0 * f64::EPSILON * e.length() * f.length() && area >= f32::MIN_POSITIVE as f64
-}
-
 impl Accel {
     /// Builds the trees, with rayon's threads. The result does not depend on how many there are.
     ///
@@ -91,6 +84,25 @@ impl Accel {
     /// without area, with a vertex that is not finite or an index out of range, and instances with a singular
     /// transform are left out.
     pub fn build(scene: &Scene) -> Accel {
+        let empty = Accel {
+            own: Level::EMPTY,
+            still: None,
+            meshes: Vec::new(),
+            sources: Vec::new(),
+            states: Vec::new(),
+            bounds: Bounds::EMPTY,
+            slack: Slack::NONE,
+            triangles: 0,
+            kernel: Kernel::available()[0],
+        };
+        empty.again(scene)
+    }
+
+    /// The trees of `scene`, made of those of another moment: what did not move stays in a tree that is not touched, what did
+    /// has one of its own, which keeps its shape where that will do. Meshes are the same if they are the same [`std::sync::Arc`].
+    /// The hits are those of [`Accel::build`], to the bit.
+    pub fn again(self, scene: &Scene) -> Accel {
+        let Accel { own, still, mut meshes, mut sources, states: before, kernel, .. } = self;
         let mut users = vec![0u32; scene.meshes.len()];
         for i in &scene.instances {
             if let Some(n) = users.get_mut(i.mesh as usize) {
@@ -98,64 +110,40 @@ impl Accel {
             }
         }
         let (mut placements, baked, shared) = placements(scene, &users);
-
-        let meshes: Vec<Tree> = shared.par_iter().map(|&m| mesh_tree(&scene.meshes[m as usize])).collect();
-        let has_alpha = |instance: usize| {
-            scene.instances[instance]
-                .material
-                .and_then(|m| scene.materials.get(m as usize))
-                .is_some_and(|m| m.has_alpha())
+        placements.iter_mut().for_each(|p| p.alpha = Places(scene).has_alpha(p.instance));
+        let mut known: Vec<Option<Tree>> = meshes.drain(..).map(Some).collect();
+        let kept = |m: &u32| {
+            let same = |w: &Weak<Mesh>| std::ptr::eq(w.as_ptr(), Arc::as_ptr(&scene.meshes[*m as usize]));
+            sources.iter().position(same).and_then(|n| known[n].take())
         };
-
-        // World references: the baked triangles by running number, then the placed instances.
-        let world_corners = |instance: u32, triangle: u32| {
-            let i = &scene.instances[instance as usize];
-            corners(&scene.meshes[i.mesh as usize], triangle).map(|p| i.transform.transform_point3a(p))
-        };
-        let mut triangles: Vec<(u32, u32)> = Vec::new();
-        for &instance in &baked {
-            let mesh = &scene.meshes[scene.instances[instance as usize].mesh as usize];
-            triangles.par_extend((0..mesh.indices.len() as u32).into_par_iter().filter_map(|t| {
-                let valid = mesh.indices[t as usize].iter().all(|&i| (i as usize) < mesh.positions.len());
-                (valid && has_area(&world_corners(instance, t))).then_some((instance, t))
-            }));
-        }
-        let mut refs: Vec<Reference> = triangles
+        let kept: Vec<Option<Tree>> = shared.iter().map(kept).collect();
+        meshes = shared
             .par_iter()
-            .enumerate()
-            .map(|(n, &(i, t))| {
-                let (lo, hi) = triangle_bounds(&world_corners(i, t));
-                Reference::new(lo, hi, n as u32)
-            })
+            .zip(kept)
+            .map(|(&m, kept)| kept.unwrap_or_else(|| mesh_tree(&scene.meshes[m as usize])))
             .collect();
-        let first = triangles.len() as u32;
-        let mut count = triangles.len() as u64;
-        let mut reach = refs.iter().fold(0f32, |m, r| m.max(r.lo().abs().max(r.hi().abs()).max_element()));
-        for p in &placements {
-            if let Some((lo, hi)) = p.world_bounds(&meshes[p.tree as usize].bounds, 0.0) {
-                reach = reach.max(lo.abs().max(hi.abs()).max_element());
-            }
-        }
-        let slack = Slack::new(&placements, reach);
-        for (n, p) in placements.iter_mut().enumerate() {
+        sources = shared.iter().map(|&m| Arc::downgrade(&scene.meshes[m as usize])).collect();
+        let boxes: Vec<Bounds> = meshes.iter().map(|m| m.bounds).collect();
+
+        let states = motion::states(scene, &users, &before);
+        let levels = Levels { scene, baked, placements, boxes: &boxes };
+        let (own, still) = levels.make(own, still, &before, &states);
+        let placements = &levels.placements;
+        let around =
+            own.triangle_bounds().union(still.as_ref().map_or(Bounds::EMPTY, Level::triangle_bounds));
+        let slack = levels.slack(&around);
+        let mut bounds = around;
+        let mut triangles = own.tree.triangles + still.as_ref().map_or(0, |s| s.tree.triangles);
+        for p in placements {
             let tree = &meshes[p.tree as usize];
-            p.alpha = has_alpha(p.instance as usize);
-            if let Some((lo, hi)) = p.world_bounds(&tree.bounds, slack.covered) {
-                refs.push(Reference::new(lo, hi, first + n as u32));
-                count += tree.triangles;
+            if let Some((min, max)) = p.world_bounds(&tree.bounds, slack.covered) {
+                bounds = bounds.union(Bounds { min, max });
+                triangles += tree.triangles;
             }
         }
-        let world = Tree::build(refs, first, &|id| {
-            if id >= first {
-                return Primitive::Instance(id - first);
-            }
-            let (instance, triangle) = triangles[id as usize];
-            let alpha = if has_alpha(instance as usize) { ALPHA } else { 0 };
-            let vertices = world_corners(instance, triangle).map(|p| p.to_array());
-            Primitive::Triangle { vertices, instance: instance | alpha, triangle }
-        });
-        assert!(world.stack <= STACK && meshes.iter().all(|m| m.stack <= STACK), "bounded by MAX_DEPTH");
-        Accel { world, meshes, placements, slack, triangles: count, kernel: Kernel::available()[0] }
+        let trees = meshes.iter().chain([&own.tree]).chain(still.as_ref().map(|s| &s.tree));
+        assert!(trees.map(|t| t.stack).all(|s| s <= STACK), "bounded by MAX_DEPTH");
+        Accel { own, still, meshes, sources, states, bounds, slack, triangles, kernel }
     }
 
     /// The same trees with a chosen kernel, for tests and measurements; the hits are the same to the bit.
@@ -173,7 +161,12 @@ impl Accel {
 
     /// World-space box around everything that can be hit; empty if nothing can.
     pub fn bounds(&self) -> Bounds {
-        self.world.bounds
+        self.bounds
+    }
+
+    #[cfg(test)]
+    pub(crate) fn still_level(&self) -> Option<&Level> {
+        self.still.as_ref()
     }
 
     #[cfg(test)]
@@ -183,9 +176,13 @@ impl Accel {
 
     /// Memory held by trees, triangles and instances.
     pub fn bytes(&self) -> usize {
-        self.world.bytes()
-            + self.meshes.iter().map(Tree::bytes).sum::<usize>()
-            + self.placements.capacity() * size_of::<Placement>()
+        let levels = self.own.bytes() + self.still.as_ref().map_or(0, Level::bytes);
+        levels + self.meshes.iter().map(Tree::bytes).sum::<usize>()
+    }
+
+    /// Triangles that stood still, and are in a tree of their own; see [`Accel::again`].
+    pub fn still_triangles(&self) -> u64 {
+        self.still.as_ref().map_or(0, |s| s.tree.triangles)
     }
 
     /// Triangles that can be hit; each instance counts its mesh's.
@@ -257,11 +254,17 @@ impl Accel {
         ray: &Ray,
         accept: &impl Fn(u32, u32, f32, f32) -> bool,
     ) -> Option<Best> {
-        let prepared = Prepared::new(ray, &self.world.bounds, &self.slack)?;
+        let prepared = Prepared::new(ray, &self.bounds, &self.slack)?;
         let best = Best { t: ray.t_max, u: 0.0, v: 0.0, key: NONE };
-        let mut query =
-            Query::<_, ANY> { accel: self, packets: &self.world.packets, ray, prepared, accept, best };
-        walk::<S, ANY>(&self.world, &prepared, ray.t_max, &mut query);
+        let mut query = Query::<_, ANY> { accel: self, level: &self.own, ray, prepared, accept, best };
+        let mut next = self.still.as_ref();
+        loop {
+            walk::<S, ANY>(&query.level.tree, &prepared, query.best.t, &mut query);
+            match next.take() {
+                Some(still) if !(ANY && query.best.key != NONE) => query.level = still,
+                _ => break,
+            }
+        }
         Some(query.best)
     }
 }

@@ -12,7 +12,7 @@
 //!     ..Mesh::default()
 //! };
 //! let instance = Instance { name: String::new(), mesh: 0, material: None, transform: Affine3A::IDENTITY };
-//! let scene = Scene { meshes: vec![mesh], instances: vec![instance], ..Scene::default() };
+//! let scene = Scene { meshes: vec![mesh.into()], instances: vec![instance], ..Scene::default() };
 //! let accel = Accel::build(&scene);
 //! let hit = accel.closest(&Ray::new(Vec3A::Z * 2.0, Vec3A::NEG_Z), &|_, _, _, _| true).unwrap();
 //! assert_eq!((hit.t, hit.u, hit.v, hit.triangle), (2.0, 0.25, 0.25, 0));
@@ -40,6 +40,7 @@
 //! | `emit` | writes it out: nodes of 256 bytes (eight boxes in `f32`, component by component), packets of 384 bytes (up to eight triangles, their nine coordinates) |
 //! | `triangle` | eight triangles at once: Woop, Benthin, Wald 2013, with their `f64` fallback |
 //! | `traverse`, `query` | one ray, one stack; generic over `lanes`, instantiated inside `#[target_feature]` functions |
+//! | `level`, `motion`, `refit` | trees in world space: of all instances, or from scene to scene of those that move and those that do not |
 //! | `instance` | which meshes are shared, and rays into their space, in `f64` |
 //! | `pages` | memory in huge pages where Linux gives them |
 //!
@@ -101,9 +102,14 @@ mod build;
 mod emit;
 mod instance;
 mod lanes;
+mod level;
+mod motion;
+#[cfg(test)]
+mod motion_tests;
 mod pages;
 mod query;
 mod ray;
+mod refit;
 #[cfg(test)]
 mod tests;
 mod traverse;

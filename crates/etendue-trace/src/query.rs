@@ -3,6 +3,7 @@
 use crate::accel::Accel;
 use crate::instance::Placement;
 use crate::lanes::Lanes;
+use crate::level::Level;
 use crate::ray::{Prepared, Ray, Slack};
 use crate::traverse::{Visitor, index, walk};
 use crate::triangle::{ALPHA, Packet};
@@ -70,10 +71,10 @@ impl Tag for u32 {
     }
 }
 
-/// A search in the world's tree.
+/// A search in a tree in world space.
 pub(crate) struct Query<'a, F, const ANY: bool> {
     pub accel: &'a Accel,
-    pub packets: &'a [Packet],
+    pub level: &'a Level,
     pub ray: &'a Ray,
     pub prepared: Prepared,
     pub accept: &'a F,
@@ -84,10 +85,10 @@ impl<F: Fn(u32, u32, f32, f32) -> bool, const ANY: bool> Visitor for Query<'_, F
     #[inline(always)]
     fn visit<S: Lanes>(&mut self, child: Child, t_max: &mut f32) -> bool {
         let done = if child & KIND == LEAF {
-            let packet = &self.packets[index(child)];
+            let packet = &self.level.tree.packets[index(child)];
             self.best.test::<S, ANY>(packet, &self.prepared, OwnTag, self.accept)
         } else {
-            self.enter::<S>(&self.accel.placements[index(child)])
+            self.enter::<S>(&self.level.placements[index(child)])
         };
         *t_max = self.best.t;
         done

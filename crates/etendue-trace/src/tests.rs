@@ -72,13 +72,13 @@ fn transform(r: &mut Rng, kind: usize) -> Affine3A {
     a
 }
 
-fn scene(seed: u64, triangles: usize, instances: usize) -> Scene {
+pub(crate) fn scene(seed: u64, triangles: usize, instances: usize) -> Scene {
     let mut r = Rng(seed);
     let mut s = Scene::default();
     let glass = Material { alpha_mode: AlphaMode::Blend, ..Material::default() };
     s.materials = vec![Material::default(), glass];
     for k in 0..3 {
-        s.meshes.push(mesh(&mut r, triangles / (k + 1)));
+        s.meshes.push(mesh(&mut r, triangles / (k + 1)).into());
     }
     let mut place = |mesh, transform, material| {
         s.instances.push(Instance { name: String::new(), mesh, material, transform });
@@ -93,7 +93,7 @@ fn scene(seed: u64, triangles: usize, instances: usize) -> Scene {
     s
 }
 
-fn rays(r: &mut Rng, n: usize, scene: &Scene) -> Vec<Ray> {
+pub(crate) fn rays(r: &mut Rng, n: usize, scene: &Scene) -> Vec<Ray> {
     (0..n)
         .map(|i| {
             let origin = match i % 5 {
@@ -116,7 +116,7 @@ fn rays(r: &mut Rng, n: usize, scene: &Scene) -> Vec<Ray> {
         .collect()
 }
 
-fn accept(_: u32, triangle: u32, u: f32, _: f32) -> bool {
+pub(crate) fn accept(_: u32, triangle: u32, u: f32, _: f32) -> bool {
     triangle.is_multiple_of(2) || u < 0.5
 }
 
@@ -147,7 +147,7 @@ fn brute(scene: &Scene, accel: &Accel, ray: &Ray) -> Option<Hit> {
             } else {
                 corners.map(|p| instance.transform.transform_point3a(p))
             };
-            if !crate::accel::has_area(&corners) {
+            if !crate::level::has_area(&corners) {
                 continue;
             }
             let mut packet = Packet::empty();
@@ -166,7 +166,7 @@ fn brute(scene: &Scene, accel: &Accel, ray: &Ray) -> Option<Hit> {
     best
 }
 
-fn bits(h: Option<Hit>) -> Option<(u32, u32, u32, u32, u32)> {
+pub(crate) fn bits(h: Option<Hit>) -> Option<(u32, u32, u32, u32, u32)> {
     h.map(|h| (h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.instance, h.triangle))
 }
 
@@ -226,7 +226,7 @@ fn the_tree_does_not_depend_on_the_number_of_threads() {
             let packets: &[u8] = bytemuck::cast_slice(&t.packets);
             [nodes, packets].concat()
         };
-        std::iter::once(&accel.world).chain(&accel.meshes).map(bytes).collect::<Vec<_>>()
+        std::iter::once(&accel.own.tree).chain(&accel.meshes).map(bytes).collect::<Vec<_>>()
     };
     let one = tree(1);
     assert!(one.iter().all(|t| !t.is_empty()));

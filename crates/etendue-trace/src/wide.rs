@@ -89,6 +89,14 @@ const ONE: u8 = 0;
 pub(crate) const FEWER: u8 = 255;
 
 impl Tree {
+    pub const EMPTY: Self = Self {
+        nodes: Pages::Heap(Vec::new()),
+        packets: Pages::Heap(Vec::new()),
+        bounds: Bounds::EMPTY,
+        triangles: 0,
+        stack: 1,
+    };
+
     /// Builds the tree over the boxes `refs`; `primitive` says what their numbers stand for, and numbers from
     /// `first_instance` on are instances.
     pub fn build(
@@ -98,13 +106,7 @@ impl Tree {
     ) -> Self {
         let binary = build::build(&mut refs);
         drop(refs);
-        let mut tree = Self {
-            nodes: Pages::zeroed(0),
-            packets: Pages::zeroed(0),
-            bounds: Bounds::EMPTY,
-            triangles: 0,
-            stack: 1,
-        };
+        let mut tree = Self::EMPTY;
         let Some(root) = binary.first() else { return tree };
         tree.bounds = Bounds { min: root.lo, max: root.hi };
         let unplanned = Plan { cost: [0.0; 7], left: [0; 7], own: 0, leaf: true, size: Size::default() };

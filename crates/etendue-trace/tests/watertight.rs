@@ -73,7 +73,7 @@ fn misses(
     inside: impl Fn(&mut u64) -> Vec3 + Sync,
 ) -> u64 {
     let scene = Scene {
-        meshes: vec![mesh],
+        meshes: vec![mesh.into()],
         instances: place.iter().copied().map(instance).collect(),
         ..Scene::default()
     };

@@ -58,7 +58,7 @@ const SPHERES: [(f32, f32, &str); 4] = [
 const OTHERS: [(f32, f32); 6] = [(-3.0, 0.0), (3.0, 0.0), (6.0, 0.0), (3.0, 3.0), (0.0, 3.0), (-6.0, 3.0)];
 
 fn scene() -> Scene {
-    let mut s = Scene { meshes: vec![sphere()], ..Scene::default() };
+    let mut s = Scene { meshes: vec![sphere().into()], ..Scene::default() };
     let others = OTHERS.map(|(y, z)| (y, z, "lambert:base_color=0"));
     for (i, (y, z, model)) in SPHERES.into_iter().chain(others).enumerate() {
         let model: Model = model.parse().expect("a model");

@@ -18,7 +18,7 @@ fn rectangle(corner: Vec3, u: Vec3, v: Vec3) -> Mesh {
 
 fn add(scene: &mut Scene, mesh: Mesh, material: Material) {
     let (m, k) = (scene.meshes.len() as u32, scene.materials.len() as u32);
-    scene.meshes.push(mesh);
+    scene.meshes.push(mesh.into());
     scene.materials.push(material);
     let transform = Affine3A::IDENTITY;
     scene.instances.push(Instance { name: String::new(), mesh: m, material: Some(k), transform });
@@ -120,8 +120,9 @@ fn probes_over_a_floor_meet_the_integral() {
     let mut inner = Scene::default();
     room(&mut inner, 0.4, &unlit(1.0), false);
     for (mesh, material) in inner.meshes.iter_mut().zip(inner.materials) {
+        let mut mesh = std::mem::take(std::sync::Arc::make_mut(mesh));
         mesh.positions.iter_mut().for_each(|p| *p += Vec3::Y);
-        add(&mut scene, std::mem::take(mesh), material);
+        add(&mut scene, mesh, material);
     }
     let world = World::new(scene).unwrap();
     assert_eq!(backs(&world, Vec3A::Y), 1.0);

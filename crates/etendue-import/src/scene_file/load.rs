@@ -287,7 +287,7 @@ fn add_tangents(scene: &mut Scene) {
             && mesh.tangents.is_empty()
             && (space.uv_set as usize) < mesh.uvs.len()
         {
-            tangents::generate(mesh, space.uv_set as usize, &space.transform());
+            tangents::generate(Arc::make_mut(mesh), space.uv_set as usize, &space.transform());
         }
     }
 }
@@ -297,7 +297,7 @@ impl Limits {
     fn left_by(&self, scene: &Scene) -> Self {
         let images: u64 = scene.images.iter().map(|i| i.bytes() as u64).sum();
         let vertices: u64 = scene.meshes.iter().map(|m| m.positions.len() as u64).sum();
-        let geometry: u64 = scene.meshes.iter().map(etendue_scene::Mesh::bytes).sum();
+        let geometry: u64 = scene.meshes.iter().map(|m| m.bytes()).sum();
         Self {
             memory_bytes: self.memory_bytes.saturating_sub(images).saturating_sub(geometry),
             image_bytes: self.image_bytes.saturating_sub(images),

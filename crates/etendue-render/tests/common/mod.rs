@@ -23,7 +23,7 @@ pub fn lamp(radiance: f32) -> Material {
 
 pub fn add(scene: &mut Scene, mesh: Mesh, material: Material) {
     scene.materials.push(material);
-    scene.meshes.push(mesh);
+    scene.meshes.push(mesh.into());
     scene.instances.push(Instance {
         name: String::new(),
         mesh: scene.meshes.len() as u32 - 1,

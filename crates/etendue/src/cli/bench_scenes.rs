@@ -88,7 +88,7 @@ fn grey() -> Material {
 }
 
 fn placed(scene: &mut Scene, mesh: Mesh, material: u32, transform: Affine3A) {
-    scene.meshes.push(mesh);
+    scene.meshes.push(mesh.into());
     let mesh = scene.meshes.len() as u32 - 1;
     scene.instances.push(Instance {
         name: format!("mesh {mesh}"),

@@ -10,7 +10,7 @@ use super::shot::Shot;
 use super::stage::{self, Stage};
 use super::work::listen_for_interrupts;
 use super::{CliError, load, note_line, realtime as twin, say, target};
-use crate::render::{Film, FilmInfo, Moment, Renderer, World, id_names, picture_id};
+use crate::render::{Film, FilmInfo, Moment, Renderer, Series, id_names};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -28,7 +28,7 @@ pub(crate) fn run(args: RenderArgs, resumed: Option<(PathBuf, Film, FilmInfo)>) 
     listen_for_interrupts();
     let file = stage::file(&args)?;
     let stage = Stage::new(&file, &args)?;
-    let (mut done, mut last): (u32, Option<World>) = (0, None);
+    let (mut done, mut series) = (0, Series::default());
     let mut resumed = resumed;
     for frame in &list.frames {
         let started = Instant::now();
@@ -38,10 +38,9 @@ pub(crate) fn run(args: RenderArgs, resumed: Option<(PathBuf, Film, FilmInfo)>) 
         target::check_size(size, passes)?;
         let settings = settings(&args, size, passes);
         let open_for = args.motion.open_for();
-        let moving = open_for.map(|s| Shot::moving(&stage, clock, s, settings.clone())).transpose()?;
-        let id = match &moving {
-            Some(shot) => shot.picture_id(),
-            None => picture_id(&scene, &camera, &settings),
+        let id = match open_for {
+            Some(s) => Shot::moving(&stage, clock, s, settings.clone(), &mut series)?.picture_id(),
+            None => series.picture_id(&scene, &camera, &settings),
         };
         let goal = format!("{:?}", (args.spp, args.noise, args.time, args.samples));
         let key = settings_key(&[&id, &goal, &development(&args), &args.passes]);
@@ -61,17 +60,15 @@ pub(crate) fn run(args: RenderArgs, resumed: Option<(PathBuf, Film, FilmInfo)>) 
         };
         let loaded = started.elapsed();
         let times = |built| Times { started, loaded, built, rendered: built };
-        let result = match moving {
-            Some(shot) => picture(&args, shot, &facts, order, times(loaded)),
+        let result = match open_for {
+            Some(s) => {
+                let shot = Shot::moving(&stage, clock, s, settings, &mut series)?;
+                picture(&args, shot, &facts, order, times(loaded))
+            }
             None => {
-                let world = match last.take() {
-                    Some(before) => before.again(scene),
-                    None => World::new(scene),
-                }?;
-                let shot = Shot::Still(Box::new(Renderer::new(&world, camera, settings)), &world);
-                let result = picture(&args, shot, &facts, order, times(started.elapsed()));
-                last = Some(world);
-                result
+                let world = series.world(scene)?;
+                let shot = Shot::Still(Box::new(Renderer::new(world, camera, settings)), world);
+                picture(&args, shot, &facts, order, times(started.elapsed()))
             }
         };
         result.map_err(|e| list.interrupted(frame, e))?;
@@ -88,29 +85,24 @@ pub(crate) fn realtime(args: RenderArgs) -> Result<(), CliError> {
     load::start_threads(&args)?;
     let file = stage::file(&args)?;
     let stage = Stage::new(&file, &args)?;
-    let (mut done, mut last): (u32, Option<World>) = (0, None);
+    let (mut done, mut series) = (0, Series::default());
     for frame in &list.frames {
         let started = Instant::now();
         let clock = Clock::of_frame(&args, frame.number);
         let (Moment { scene, camera }, size) = stage.moment(&clock)?;
         let settings = settings(&args, size, Default::default());
-        let id = picture_id(&scene, &camera, &settings);
+        let id = series.picture_id(&scene, &camera, &settings);
         let key = settings_key(&[&id, &artist.style(), &development(&args), &args.passes]);
         if list.skips(frame, &key, &mut done) {
             continue;
         }
         let triangles = scene.triangle_count();
         let loaded = started.elapsed();
-        let world = match last.take() {
-            Some(before) => before.again(scene),
-            None => World::new(scene),
-        }?;
+        let world = series.world(scene)?;
         let mut notes = frame.notes(&clock);
         notes.push((SETTINGS, key));
-        let what =
-            twin::Subject { world: &world, camera: &camera, size, triangles, warnings: stage.warnings() };
+        let what = twin::Subject { world, camera: &camera, size, triangles, warnings: stage.warnings() };
         artist.draw(&what, &frame.output, &list.label(frame), &notes, started, loaded)?;
-        last = Some(world);
     }
     list.conclude(done);
     Ok(())

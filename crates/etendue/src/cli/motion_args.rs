@@ -1,6 +1,7 @@
 //! What can be said about time: frames, animations, the shutter.
 
 use super::values::positive;
+use crate::render::Shutter;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
@@ -8,7 +9,7 @@ use std::str::FromStr;
 /// Frames per second where nothing else is said: the cinema's.
 pub(crate) const FPS: f32 = 24.0;
 
-#[derive(Clone, Debug, Default, Args, Serialize, Deserialize)]
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct MotionArgs {
     /// Render these frames of the animation, the last one included (as Blender counts them), or one; frame N is N / fps seconds into it. #### in --output is the frame's number with as many digits. Frames that are there with the same settings are not rendered again
@@ -26,12 +27,36 @@ pub(crate) struct MotionArgs {
     /// Motion blur: how long the shutter is open around each frame's time (or --at), as an angle of the time between frames or in seconds: 180deg, 1/50s, 0.02s, or none
     #[arg(long, value_name = "TIME", default_value_t, help_heading = "Animation")]
     pub shutter: Opening,
+    /// Motion blur: at how many moments the shutter's time is seen, however few samples there are; each sample of a pixel is at one of them. A power of two. 1 shows the whole picture of a sample at one moment
+    #[arg(long, value_name = "N", default_value_t = Shutter::MOMENTS, value_parser = moments, help_heading = "Animation")]
+    pub moments: u32,
     /// Render frames again that are there with the same settings
     #[arg(long, help_heading = "Animation")]
     pub overwrite: bool,
     /// The only frame of a turntable that a film is of.
     #[arg(skip)]
     pub turn_frame: Option<u32>,
+}
+
+impl Default for MotionArgs {
+    fn default() -> Self {
+        Self {
+            frames: None,
+            fps: None,
+            animation: None,
+            turntable: None,
+            shutter: Opening::None,
+            moments: Shutter::MOMENTS,
+            overwrite: false,
+            turn_frame: None,
+        }
+    }
+}
+
+fn moments(s: &str) -> Result<u32, String> {
+    let most = Shutter::MOST_MOMENTS;
+    let n = s.parse().ok().filter(|n: &u32| n.is_power_of_two() && *n <= most);
+    n.ok_or_else(|| format!("give a power of two from 1 to {most}"))
 }
 
 impl MotionArgs {

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 const DEFAULT_SAMPLES: u32 = 16;
 
 /// Options that are about tracing paths, and why they mean nothing here.
-const OF_PATHS: [(&str, &str); 12] = [
+const OF_PATHS: [(&str, &str); 13] = [
     ("noise", "the picture has no noise that more samples would take away"),
     ("time", "it is done when it is done"),
     ("samples", "there are no films to add; --spp sets the samples per pixel"),
@@ -31,6 +31,7 @@ const OF_PATHS: [(&str, &str); 12] = [
     ("checkpoint", "there is no film"),
     ("resume", "there is no film"),
     ("shutter", "it draws one moment"),
+    ("moments", "it draws one moment"),
     ("watch", "the picture is drawn once"),
 ];
 

@@ -10,7 +10,9 @@ use super::shot::Shot;
 use super::stage::{self, Stage};
 use super::work::{Job, listen_for_interrupts};
 use super::{CliError, frames, lamp, load, realtime, resume, scene_file, target};
-use crate::render::{Counters, Film, FilmInfo, PassSet, PathOptions, Renderer, Settings, World, id_names};
+use crate::render::{
+    Counters, Film, FilmInfo, PassSet, PathOptions, Renderer, Series, Settings, World, id_names,
+};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -63,7 +65,8 @@ pub(crate) fn run(args: RenderArgs) -> Result<(), CliError> {
         let (moment, size) = stage.moment(&clock)?;
         target::check_size(size, passes)?;
         let loaded = started.elapsed();
-        let shot = Shot::moving(&stage, clock, seconds, settings(&args, size, passes))?;
+        let mut series = Series::default();
+        let shot = Shot::moving(&stage, clock, seconds, settings(&args, size, passes), &mut series)?;
         let names = id_names(&moment.scene);
         let facts = Facts { names, triangles: moment.scene.triangle_count(), warnings: stage.warnings() };
         let times = Times { started, loaded, built: loaded, rendered: loaded };
@@ -177,6 +180,9 @@ fn check_motion(args: &RenderArgs) -> Result<(), CliError> {
     }
     if m.open_for().is_some() && !moves {
         return usage("nothing moves at rest: --shutter needs --at SECONDS, --frames A..B or --turntable N");
+    }
+    if args.given.contains("moments") && m.open_for().is_none() && args.resume.is_none() {
+        return usage("--moments says how finely motion is blurred: add --shutter 180deg");
     }
     if m.animation.is_some() && args.at.is_none() && m.frames.is_none() && args.resume.is_none() {
         return usage("the model is shown at rest: --animation needs --at SECONDS or --frames A..B");

@@ -86,6 +86,11 @@ impl<'a> Stage<'a> {
         self.warnings.borrow().1.clone()
     }
 
+    /// At how many moments an open shutter sees it.
+    pub fn moments(&self) -> u32 {
+        self.args.motion.moments
+    }
+
     /// Names how model and camera move.
     pub fn digest(&self, clock: &Clock) -> u32 {
         let speed = clock.turn.map(|[_, speed]| speed);

@@ -109,7 +109,7 @@ impl Job<'_> {
         let interval = Duration::from_millis(300);
         let mut estimate = Every::new(interval, interval, 1.0);
         let mut troubles = Vec::new();
-        let mut batch = 1u32;
+        let mut batch = self.first_batch(film);
         if goal.is_quiet(film.samples(), || film.relative_error()) {
             return Ok(true);
         }
@@ -123,12 +123,23 @@ impl Job<'_> {
                 if goal.noise.is_some() {
                     n = u64::from(n).min(Goal::next_check(film.samples()) - film.samples()) as u32;
                 }
+                let before = self.shot.moments();
+                if let Some((block, _)) = before {
+                    // Two parts of two blocks would need the moments of both.
+                    n = n.min(block - at % block);
+                }
                 let begun = Instant::now();
                 self.shot.render(film, at, at + n, &self.counters)?;
                 at += n;
                 let rate = f64::from(n) / begun.elapsed().as_secs_f64().max(1e-6);
                 // Batches of a second: short enough to stop at, long enough for a pixel's samples to share the caches.
                 batch = (rate as u32).clamp(1, 4096);
+                if let Some(((_, before), (block, after))) = before.zip(self.shot.moments())
+                    && (after - before) * 8 > begun.elapsed()
+                {
+                    // More samples at the same moments.
+                    batch = batch.max((2 * n).min(block));
+                }
                 if let Some(budget) = goal.time {
                     let left = budget.saturating_sub(start.elapsed()).as_secs_f64();
                     if left * rate < 1.0 {
@@ -163,6 +174,15 @@ impl Job<'_> {
             }
         }
         Ok(true)
+    }
+
+    /// Samples to take at first: one, if they need but one world; if they need many, as many as take about a second.
+    fn first_batch(&self, film: &Film) -> u32 {
+        const SECOND: usize = 1 << 21;
+        match self.shot.moments() {
+            Some((block, _)) => ((SECOND / film.pixels().max(1)) as u32).clamp(1, block),
+            None => 1,
+        }
     }
 
     /// The message for a run that the user stopped.
