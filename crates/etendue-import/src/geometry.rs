@@ -5,6 +5,7 @@ use crate::clean;
 use crate::document::{Component, Mode, Shape, Target};
 use crate::error::Fault;
 use crate::skin::Influences;
+use crate::strokes;
 use crate::tangents;
 use crate::topology;
 use crate::warning::Warnings;
@@ -93,10 +94,13 @@ impl Job {
     pub fn estimate(&self, accessors: Accessors<'_>) -> Result<Estimate, Fault> {
         let points = self.positions(accessors)?.len() as u64;
         let corners = self.indices(accessors)?.map_or(points, |i| i.len() as u64);
-        let vertices = points.min(corners);
-        let triangles = match self.key.mode {
-            Mode::Triangles => corners / 3,
-            _ => corners.saturating_sub(2),
+        let (vertices, triangles) = match self.key.mode {
+            Mode::Triangles => (points.min(corners), corners / 3),
+            Mode::Strip | Mode::Fan => (points.min(corners), corners.saturating_sub(2)),
+            // A stroke for each corner at the most.
+            Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => {
+                (corners.saturating_mul(strokes::VERTICES), corners.saturating_mul(strokes::TRIANGLES))
+            }
         };
         // Generated tangents may give every corner a vertex of its own, and MikkTSpace's own tables take about 300 bytes
         // per triangle.
@@ -110,7 +114,10 @@ impl Job {
             + self.key.skin.as_ref().map_or(0, |s| 32 * s.influences.len() as u64);
         Ok(Estimate {
             vertices,
-            bytes: unwelded.saturating_mul(per_vertex).saturating_add(12 * triangles + tables),
+            bytes: unwelded
+                .saturating_mul(per_vertex)
+                .saturating_add(triangles.saturating_mul(12))
+                .saturating_add(tables),
         })
     }
 
@@ -147,6 +154,9 @@ impl Job {
         self.morph(&vertices, &mut mesh, warnings)?;
         if let (Some(key), Some(joints)) = (&self.key.skin, joints) {
             self.skin(key, joints, &vertices, &mut mesh, warnings)?;
+        }
+        if self.key.mode.is_stroke() {
+            strokes::thicken(&mut mesh);
         }
         clean::mesh(&mut mesh, &self.pointer, warnings);
         if let Some(space) = self.key.tangent_space.filter(|_| mesh.tangents.is_empty()) {

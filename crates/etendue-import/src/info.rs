@@ -123,7 +123,7 @@ pub struct MeshInfo {
 /// A primitive of a mesh.
 #[derive(Clone, Debug, Serialize)]
 pub struct PrimitiveInfo {
-    /// `triangles`, `strip`, `fan`, `lines` or `points`.
+    /// `triangles`, `strip`, `fan`, `lines`, `line loop`, `line strip` or `points`.
     pub mode: &'static str,
     /// Triangles that it makes.
     pub triangles: u64,
@@ -439,6 +439,8 @@ fn mesh(doc: &Document<'_>, m: &crate::document::Mesh<'_>) -> MeshInfo {
         let (mode, triangles) = match p.mode {
             Mode::Points => ("points", 0),
             Mode::Lines => ("lines", 0),
+            Mode::LineLoop => ("line loop", 0),
+            Mode::LineStrip => ("line strip", 0),
             Mode::Triangles => ("triangles", corners / 3),
             Mode::Strip => ("strip", corners.saturating_sub(2)),
             Mode::Fan => ("fan", corners.saturating_sub(2)),

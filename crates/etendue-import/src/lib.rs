@@ -20,7 +20,7 @@
 //!    state of morphing and skinning, for which materials (the own one and those of variants: `material`, `surface`), and
 //!    where they stand. Equal meshes are built once. Here
 //!    everything is booked against the [`Limits`].
-//! 4. `geometry` builds the meshes (`topology`, `skin`, `clean`, `tangents`) while `texture` decodes the images, on all
+//! 4. `geometry` builds the meshes (`topology`, `skin`, `strokes`, `clean`, `tangents`) while `texture` decodes the images, on all
 //!    cores.
 //!
 //! `door` chooses the reader: `obj` (with its materials), `ply` and `stl` stand beside glTF. Their meshes and materials are put
@@ -73,6 +73,7 @@ mod skin;
 mod sky;
 mod source;
 mod stl;
+mod strokes;
 mod surface;
 mod tangents;
 mod text;

@@ -3,7 +3,7 @@
 use crate::accessor::{Accessors, Elements};
 use crate::animation::Pose;
 use crate::changed::Changed;
-use crate::document::{Component, Mode, Node, Primitive, Shape, get};
+use crate::document::{Component, Node, Primitive, Shape, get};
 use crate::error::Fault;
 use crate::geometry::{Job, MeshKey, SkinKey, TangentSpace};
 use crate::ies;
@@ -34,6 +34,8 @@ pub(crate) struct Plan<'a> {
     pub instances: Vec<Instance>,
     pub materials: Vec<Material>,
     by_material: HashMap<u32, u32>,
+    /// The unlit form of each material that has one.
+    by_lit: HashMap<Option<u32>, u32>,
     pub variants: Vec<Variant>,
     pub textures: Textures<'a>,
     pub lights: Vec<Light>,
@@ -65,6 +67,7 @@ impl<'a> Plan<'a> {
             instances: Vec::new(),
             materials: Vec::new(),
             by_material: HashMap::new(),
+            by_lit: HashMap::new(),
             variants: accessors
                 .doc
                 .variants
@@ -125,7 +128,13 @@ impl<'a> Plan<'a> {
                 Some(m) => Some(self.material(m, || format!("{pointer}/material"))?),
                 None => None,
             };
-            let others = self.other_materials(p, &pointer)?;
+            let mut others = self.other_materials(p, &pointer)?;
+            let material = if p.mode.is_stroke() && p.attribute("NORMAL").is_none() {
+                others.iter_mut().for_each(|(_, m)| *m = self.unlit(Some(*m)));
+                Some(self.unlit(material))
+            } else {
+                material
+            };
             let name = if node.name.is_empty() { mesh.name } else { node.name };
             // Also what turns out to be nothing to see costs time.
             let at = || format!("/nodes/{i}");
@@ -214,6 +223,19 @@ impl<'a> Plan<'a> {
         Ok(number)
     }
 
+    /// The scene's number of a material (none: the default one) as it is for points and lines that have no normals: unlit (glTF 2.0,
+    /// 3.9.7).
+    fn unlit(&mut self, number: Option<u32>) -> u32 {
+        if let Some(&known) = self.by_lit.get(&number) {
+            return known;
+        }
+        let m = number.map_or_else(Material::default, |n| self.materials[n as usize].clone());
+        let unlit = self.materials.len() as u32;
+        self.materials.push(Material { unlit: true, extensions: None, normal_texture: None, ..m });
+        self.by_lit.insert(number, unlit);
+        unlit
+    }
+
     /// The variants in which primitive `p` has a material of their own, each with the scene's number of it.
     fn other_materials(&mut self, p: &Primitive<'_>, pointer: &str) -> Result<Vec<(u32, u32)>, Fault> {
         let doc = self.accessors.doc;
@@ -245,17 +267,15 @@ impl<'a> Plan<'a> {
         others: &[(u32, u32)],
         weights: &[f64],
     ) -> Result<Option<(u32, bool)>, Fault> {
-        if matches!(p.mode, Mode::Points | Mode::Lines) {
-            let what = if p.mode == Mode::Points { "points" } else { "lines" };
-            self.warnings.add(pointer, format!("{what} are not supported; left out"));
-            return Ok(None);
-        }
         let Some(position) = p.attribute("POSITION") else {
             self.warnings.add(format!("{pointer}/attributes"), "no POSITION; nothing to show");
             return Ok(None);
         };
         let (uvs, tangent_space, wants_tangents) = self.texture_space(p, material, others, &pointer);
         let normal = p.attribute("NORMAL");
+        // Along strokes nothing can be bent.
+        let tangent_space = tangent_space.filter(|_| !p.mode.is_stroke());
+        let wants_tangents = wants_tangents && !p.mode.is_stroke();
         let tangent = p.attribute("TANGENT").filter(|_| wants_tangents && normal.is_some());
         let skin = self.skin(i, node, p, &pointer)?;
         let key = MeshKey {

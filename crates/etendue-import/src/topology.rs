@@ -6,7 +6,8 @@ use crate::error::Fault;
 use crate::geometry::Job;
 use crate::warning::Warnings;
 
-/// The triangles of a primitive: a list, a strip or a fan (glTF 2.0, 3.7.2.1), indexed or not.
+/// The triangles of a primitive: a list, a strip or a fan (glTF 2.0, 3.7.2.1), indexed or not; points as `[a, a, a]` and lines as
+/// `[a, b, b]` for [`crate::strokes`].
 pub(crate) fn triangles(
     job: &Job,
     positions: &Elements<'_>,
@@ -29,6 +30,7 @@ pub(crate) fn triangles(
 }
 
 fn join(job: &Job, n: usize, v: impl Fn(usize) -> u32, warnings: &mut Warnings) -> Vec<[u32; 3]> {
+    let line = |a: u32, b: u32| [a, b, b];
     let proper = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
     match job.key.mode {
         Mode::Triangles => {
@@ -47,7 +49,18 @@ fn join(job: &Job, n: usize, v: impl Fn(usize) -> u32, warnings: &mut Warnings) 
             .filter(proper)
             .collect(),
         Mode::Fan => (0..n.saturating_sub(2)).map(|i| [v(i + 1), v(i + 2), v(0)]).filter(proper).collect(),
-        Mode::Points | Mode::Lines => Vec::new(),
+        // Points and lines are triangles without area, until they are given a thickness.
+        Mode::Points => (0..n).map(|i| [v(i); 3]).collect(),
+        Mode::Lines => {
+            if !n.is_multiple_of(2) {
+                warnings.add(&job.pointer, "a line without an end; left out");
+            }
+            (0..n / 2).map(|i| line(v(2 * i), v(2 * i + 1))).collect()
+        }
+        Mode::LineStrip => (1..n).map(|i| line(v(i - 1), v(i))).collect(),
+        // Of two vertices the way back is the same line.
+        Mode::LineLoop if n > 2 => (0..n).map(|i| line(v(i), v((i + 1) % n))).collect(),
+        Mode::LineLoop => (1..n).map(|i| line(v(i - 1), v(i))).collect(),
     }
 }
 

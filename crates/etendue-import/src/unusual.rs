@@ -38,6 +38,10 @@ pub(crate) fn of_document(doc: &Document<'_>) -> Vec<Warning> {
             let at = || format!("/meshes/{i}/primitives/{k}");
             let count =
                 p.attribute("POSITION").and_then(|a| doc.accessors.get(a as usize)).map_or(0, |a| a.count);
+            if p.mode.is_stroke() {
+                out.add(at(), "points or lines: shown as balls and tubes of 1/500 of the mesh's size");
+                continue;
+            }
             if p.indices.is_none() && count > 3 {
                 out.add(at(), "no indices: vertices cannot be shared");
             }

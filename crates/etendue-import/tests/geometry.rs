@@ -41,17 +41,31 @@ fn a_list_leaves_out_what_makes_no_triangle() {
     assert_eq!(mode(4), [[0, 1, 2]]);
 }
 
+/// How many balls or tubes the modes of points and lines make of the zigzag's vertices, and how they are lit.
 #[test]
-fn points_and_lines_are_named_and_left_out() {
-    for (mode, name) in [(0, "points"), (1, "lines"), (2, "lines"), (3, "lines")] {
+fn points_and_lines_are_balls_and_tubes() {
+    for (mode, strokes, triangles, name) in
+        [(0, 5, 12, "points"), (1, 2, 24, "lines"), (2, 5, 24, "line loop"), (3, 4, 24, "line strip")]
+    {
         let mut m = Model::new();
         let p = zigzag(&mut m);
         let mesh = m.mesh(json!({"attributes": {"POSITION": p}, "mode": mode}));
         m.node(json!({"mesh": mesh}));
         let i = m.import();
-        assert!(i.scene.meshes.is_empty() && i.scene.instances.is_empty());
-        assert!(warned(&i, &format!("/meshes/0/primitives/0: {name} are not supported; left out")));
+        assert_eq!(i.scene.meshes[0].indices.len(), strokes * triangles, "{name}");
+        assert_eq!(i.info.meshes[0].primitives[0].mode, name);
+        // Without normals they are shown as they are, without light.
+        let material = i.scene.instances[0].material.expect("a material");
+        assert!(i.scene.materials[material as usize].unlit);
+        assert!(i.info.unusual.iter().any(|w| w.message.contains("balls and tubes")));
     }
+    let mut m = Model::new();
+    let (p, n) = (zigzag(&mut m), m.floats(&[0.0, 0.0, 1.0].repeat(5), "VEC3"));
+    let mesh = m.mesh(json!({"attributes": {"POSITION": p, "NORMAL": n}, "mode": 3}));
+    m.node(json!({"mesh": mesh}));
+    let i = m.import();
+    assert_eq!(i.scene.instances[0].material, None);
+    assert_eq!(i.scene.meshes[0].normals.len(), i.scene.meshes[0].positions.len());
 }
 
 #[test]

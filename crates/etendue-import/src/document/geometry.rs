@@ -11,16 +11,25 @@ use serde_json::Value;
 pub(crate) enum Mode {
     Points,
     Lines,
+    LineLoop,
+    LineStrip,
     Triangles,
     Strip,
     Fan,
 }
 
 impl Mode {
+    /// Whether it makes points or lines, which have no surface.
+    pub fn is_stroke(self) -> bool {
+        matches!(self, Self::Points | Self::Lines | Self::LineLoop | Self::LineStrip)
+    }
+
     fn read<'v>(r: &mut Reader<'v>, v: &'v Value) -> Result<Self, Fault> {
         Ok(match r.count(v)? {
             0 => Self::Points,
-            1..=3 => Self::Lines,
+            1 => Self::Lines,
+            2 => Self::LineLoop,
+            3 => Self::LineStrip,
             4 => Self::Triangles,
             5 => Self::Strip,
             6 => Self::Fan,
