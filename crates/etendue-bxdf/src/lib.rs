@@ -96,6 +96,7 @@ pub mod rough_conductor;
 pub mod sampling;
 pub mod sheen;
 pub mod thin_film;
+pub mod varnish;
 
 pub use bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS};
 pub use conductor::Conductor;

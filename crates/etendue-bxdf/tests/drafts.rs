@@ -106,3 +106,120 @@ fn what_passes_a_rough_sheet_is_mirrored() {
             > c.eval_pdf(wo, wo_at(70.0) * Vec3A::new(-1.0, 1.0, 1.0)).diffuse[0]
     );
 }
+
+/// A coat of index 1.5, clear and without darkening, is the clearcoat: the parameters that only other coats use change nothing.
+#[test]
+fn a_plain_coat_is_a_clearcoat() {
+    let mut rng = Rng::new(7);
+    for _ in 0..500 {
+        let p = GltfParams {
+            clearcoat: rng.uniform(),
+            clearcoat_roughness: rng.uniform(),
+            clearcoat_normal: vec3a(0.4 * rng.uniform(), 0.0, 1.0),
+            roughness: rng.uniform(),
+            ..Default::default()
+        };
+        let same = GltfParams { coat_tangent: vec3a(0.0, 1.0, 0.0), coat_ior: 1.5, ..p };
+        let near = GltfParams {
+            coat_color: Spectrum::splat(1.0 - 1e-6),
+            coat_darkening: 1e-6,
+            coat_ior: 1.500_001,
+            ..p
+        };
+        let (wo, wi) = (wo_at(80.0 * rng.uniform()), wo_at(80.0 * rng.uniform()) * vec3a(-1.0, 1.0, 1.0));
+        let [a, b, c] = [p, same, near].map(|p| closure(&p).eval_pdf(wo, wi));
+        assert_eq!(a, b);
+        for (x, y) in [(a.diffuse, c.diffuse), (a.specular, c.specular)] {
+            assert!((x - y).map(f32::abs).max_element() < 1e-4 * y.max_element() + 1e-5, "{p:?} {a:?} {c:?}");
+        }
+    }
+}
+
+/// What a mirror of index 1 and a colour does is absorb: the colour at normal incidence, a power of it elsewhere. (At index 1 the path
+/// through the coat is 1 / cos long, there and back.)
+#[test]
+fn a_coat_absorbs_by_the_length_of_the_path() {
+    let color = Spectrum::rgb(0.9, 0.5, 0.1);
+    let base = GltfParams { specular: 0.0, ..Default::default() };
+    let coat = GltfParams { clearcoat: 1.0, coat_ior: 1.0, coat_color: color, ..base };
+    let clear = GltfParams { coat_color: Spectrum::ONE, ..coat };
+    for (a, b) in [(0.0f32, 0.0f32), (0.0, 60.0), (60.0, 0.0), (45.0, 70.0)] {
+        let (wo, wi) = (wo_at(a), wo_at(b) * vec3a(-1.0, 1.0, 1.0));
+        let ratio = |lane: usize| {
+            closure(&coat).eval_pdf(wo, wi).diffuse[lane] / closure(&clear).eval_pdf(wo, wi).diffuse[lane]
+        };
+        let power = 0.5 * (1.0 / wo.z + 1.0 / wi.z);
+        for lane in 0..3 {
+            let expected = color[lane].powf(power);
+            assert!((ratio(lane) - expected).abs() < 1e-4, "{a} {b} {lane}: {} {expected}", ratio(lane));
+        }
+    }
+    // Half covered, it absorbs half.
+    let half = GltfParams { clearcoat: 0.5, ..coat };
+    let half_clear = GltfParams { clearcoat: 0.5, ..clear };
+    let [a, b] = [half, half_clear].map(|p| closure(&p).eval_pdf(Vec3A::Z, wo_at(1.0)).diffuse[1]);
+    assert!((a / b - 0.75).abs() < 1e-3, "{}", a / b);
+}
+
+/// Light to and fro darkens a coloured base, saturates it, and leaves black and white as they are.
+#[test]
+fn darkening_is_that_of_the_base() {
+    let returned = |base: f32, darkening: f32| {
+        let p = GltfParams {
+            base_color: Spectrum::splat(base),
+            specular: 0.0,
+            clearcoat: 1.0,
+            coat_darkening: darkening,
+            ..Default::default()
+        };
+        directional_albedo(&closure(&p), wo_at(30.0))[0]
+    };
+    let coat = returned(0.0, 1.0);
+    let [white, grey, dark] = [1.0, 0.5, 0.1].map(|b| (returned(b, 1.0) - coat) / (returned(b, 0.0) - coat));
+    assert!((white - 1.0).abs() < 1e-3, "{white}");
+    // (1 − K) / (1 − E K) with K = 1 − (1 − 0.0918) / 2.25 = 0.5964 of a rough base under index 1.5.
+    for (found, e) in [(grey, 0.5), (dark, 0.1)] {
+        let k = 0.5964;
+        let expected = (1.0 - k) / (1.0 - e * k);
+        assert!((found / expected - 1.0).abs() < 5e-3, "{found} {expected}");
+    }
+    // A metal of the same colour is smoother to the light within: it darkens less.
+    let metal = |darkening: f32| {
+        let p = GltfParams {
+            base_color: Spectrum::splat(0.5),
+            metallic: 1.0,
+            roughness: 0.2,
+            clearcoat: 1.0,
+            coat_darkening: darkening,
+            ..Default::default()
+        };
+        directional_albedo(&closure(&p), wo_at(30.0))[0] - coat
+    };
+    let ratio = metal(1.0) / metal(0.0);
+    assert!(ratio > grey && ratio < 1.0, "{ratio} {grey}");
+}
+
+/// The fuzz lies on top of the coat, dims it, and may be black.
+#[test]
+fn fuzz_lies_over_the_coat() {
+    let coated =
+        GltfParams { clearcoat: 1.0, clearcoat_roughness: 0.3, roughness: 0.4, ..Default::default() };
+    let soot = GltfParams { fuzz: 1.0, fuzz_color: Spectrum::ZERO, fuzz_roughness: 0.8, ..coated };
+    let lint = GltfParams { fuzz_color: Spectrum::ONE, ..soot };
+    for degrees in [10.0, 50.0, 80.0] {
+        let wo = wo_at(degrees);
+        let left = 1.0 - etendue_bxdf::sheen::Fuzz::new(Spectrum::ONE, 0.8).reflectance(wo.z);
+        for wi in [wo_at(40.0) * vec3a(-1.0, 1.0, 1.0), wo_at(70.0)] {
+            let (a, b) = (closure(&coated).eval_pdf(wo, wi), closure(&soot).eval_pdf(wo, wi));
+            // All that lies below, the coat's reflection with it.
+            assert!((b.specular[0] - left * a.specular[0]).abs() < 1e-5 * a.specular[0], "{a:?} {b:?}");
+            assert!((b.diffuse[0] - left * a.diffuse[0]).abs() < 1e-5 * a.diffuse[0], "{a:?} {b:?}");
+        }
+        let [plain, black, white] = [coated, soot, lint].map(|p| directional_albedo(&closure(&p), wo)[0]);
+        assert!(
+            (black - left * plain).abs() < 2e-3 && (white - black - (1.0 - left)).abs() < 2e-3,
+            "{plain} {black} {white}"
+        );
+        assert!(white <= 1.001, "{white}");
+    }
+}

@@ -6,12 +6,14 @@ use crate::warning::Warnings;
 pub(crate) const ANIMATION_POINTER: &str = "KHR_animation_pointer";
 pub(crate) const ANISOTROPY: &str = "KHR_materials_anisotropy";
 pub(crate) const CLEARCOAT: &str = "KHR_materials_clearcoat";
+pub(crate) const COAT: &str = "KHR_materials_coat";
 pub(crate) const DIFFUSE_ROUGHNESS: &str = "KHR_materials_diffuse_roughness";
 pub(crate) const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
 pub(crate) const DISPERSION: &str = "KHR_materials_dispersion";
 pub(crate) const DRACO: &str = "KHR_draco_mesh_compression";
 pub(crate) const EMISSIVE_STRENGTH: &str = "KHR_materials_emissive_strength";
 pub(crate) const EXT_MESHOPT: &str = "EXT_meshopt_compression";
+pub(crate) const FUZZ: &str = "KHR_materials_fuzz";
 pub(crate) const GPU_INSTANCING: &str = "EXT_mesh_gpu_instancing";
 pub(crate) const IOR: &str = "KHR_materials_ior";
 pub(crate) const IRIDESCENCE: &str = "KHR_materials_iridescence";
@@ -40,16 +42,18 @@ pub(crate) const ON_BUFFER_VIEW: [&str; 2] = [EXT_MESHOPT, KHR_MESHOPT];
 pub(crate) const ON_ROOT: [&str; 4] = [LIGHTS_IES, LIGHTS_IMAGE_BASED, LIGHTS_PUNCTUAL, VARIANTS];
 pub(crate) const ON_SCENE: [&str; 1] = [LIGHTS_IMAGE_BASED];
 pub(crate) const ON_PRIMITIVE: [&str; 2] = [DRACO, VARIANTS];
-pub(crate) const ON_MATERIAL: [&str; 14] = [
+pub(crate) const ON_MATERIAL: [&str; 16] = [
     UNLIT,
     EMISSIVE_STRENGTH,
     IOR,
     SPECULAR,
     ANISOTROPY,
     CLEARCOAT,
+    COAT,
     DIFFUSE_ROUGHNESS,
     DIFFUSE_TRANSMISSION,
     DISPERSION,
+    FUZZ,
     IRIDESCENCE,
     SHEEN,
     SPECULAR_GLOSSINESS,
@@ -57,12 +61,14 @@ pub(crate) const ON_MATERIAL: [&str; 14] = [
     VOLUME,
 ];
 /// Those that describe what `etendue_scene::Extensions` holds.
-pub(crate) const ON_SURFACE: [&str; 10] = [
+pub(crate) const ON_SURFACE: [&str; 12] = [
     ANISOTROPY,
     CLEARCOAT,
+    COAT,
     DIFFUSE_ROUGHNESS,
     DIFFUSE_TRANSMISSION,
     DISPERSION,
+    FUZZ,
     IRIDESCENCE,
     SHEEN,
     SPECULAR_GLOSSINESS,
@@ -93,7 +99,9 @@ const TABLE: &[(&str, Support)] = &[
     (ANIMATION_POINTER, Support::Full),
     (ANISOTROPY, Support::Full),
     (CLEARCOAT, Support::Full),
+    (COAT, Support::Draft),
     (DIFFUSE_ROUGHNESS, Support::Draft),
+    (FUZZ, Support::Draft),
     (DIFFUSE_TRANSMISSION, Support::Full),
     (DISPERSION, Support::Full),
     (DRACO, Support::Full),

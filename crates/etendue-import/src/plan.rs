@@ -405,7 +405,7 @@ impl<'a> Plan<'a> {
 }
 
 /// Along what tangents have to run for a material; `None` if it needs none. Normal texture, coat's normal texture and
-/// anisotropy share one tangent space (glTF 2.0, 3.9.3; KHR_materials_clearcoat, KHR_materials_anisotropy): the first of
+/// anisotropy share one tangent space (glTF 2.0, 3.9.3; KHR_materials_clearcoat, KHR_materials_coat, KHR_materials_anisotropy): the first of
 /// them that is there determines it.
 pub(crate) fn tangent_space(m: &Material) -> Option<TangentSpace> {
     let extensions = m.extensions.as_deref();
@@ -414,6 +414,7 @@ pub(crate) fn tangent_space(m: &Material) -> Option<TangentSpace> {
     if let Some(n) = m.normal_texture.or(coat) {
         return Some(along(n.texture));
     }
-    let anisotropy = extensions?.anisotropy?;
+    let brushed = extensions?.clearcoat.map(|c| c.anisotropy).filter(|a| a.strength > 0.0);
+    let anisotropy = extensions?.anisotropy.or(brushed)?;
     Some(anisotropy.texture.map_or_else(|| TangentSpace::new(0, &Affine2::IDENTITY), along))
 }

@@ -57,9 +57,9 @@ pub(crate) fn convert(
     let mut out = Extensions::default();
     if let Some(e) = s.anisotropy {
         at(p, ext::ANISOTROPY);
-        out.anisotropy = anisotropy(&e, p)?;
+        out.anisotropy = anisotropy(&e, "anisotropy", p)?;
     }
-    if let Some(e) = s.clearcoat {
+    if let Some(e) = s.clearcoat.filter(|_| s.drafts.coat.is_none()) {
         at(p, ext::CLEARCOAT);
         out.clearcoat = clearcoat(&e, p)?;
     }
@@ -71,7 +71,7 @@ pub(crate) fn convert(
         at(p, ext::IRIDESCENCE);
         out.iridescence = iridescence(&e, p)?;
     }
-    if let Some(e) = s.sheen {
+    if let Some(e) = s.sheen.filter(|_| s.drafts.fuzz.is_none()) {
         at(p, ext::SHEEN);
         out.sheen = sheen(&e, p)?;
     }
@@ -100,15 +100,20 @@ pub(crate) fn convert(
     Ok(Converted { base: None, extensions })
 }
 
-fn anisotropy(e: &document::surface::Anisotropy, p: &mut Parts<'_, '_>) -> Result<Option<Anisotropy>, Fault> {
-    let strength = p.scalar(e.strength, 0.0, UNIT, "anisotropyStrength");
+/// The anisotropy of the lobe whose properties begin with `name`.
+pub(crate) fn anisotropy(
+    e: &document::surface::Anisotropy,
+    name: &str,
+    p: &mut Parts<'_, '_>,
+) -> Result<Option<Anisotropy>, Fault> {
+    let strength = p.scalar(e.strength, 0.0, UNIT, &format!("{name}Strength"));
     if strength == 0.0 {
         return Ok(None);
     }
     let rotation = e.rotation.unwrap_or(0.0);
     // In double precision: of many turns single precision would keep little of the angle.
     let rotation = if rotation.abs() <= TAU { rotation } else { rotation % TAU };
-    let texture = p.texture(e.texture, "anisotropyTexture")?;
+    let texture = p.texture(e.texture, &format!("{name}Texture"))?;
     Ok(Some(Anisotropy { strength, rotation: rotation as f32, texture }))
 }
 
@@ -123,6 +128,7 @@ fn clearcoat(e: &document::surface::Clearcoat, p: &mut Parts<'_, '_>) -> Result<
         roughness: p.scalar(e.roughness, 0.0, UNIT, "clearcoatRoughnessFactor"),
         roughness_texture: p.texture(e.roughness_texture, "clearcoatRoughnessTexture")?,
         normal_texture: p.normal_texture(e.normal_texture, e.normal_scale, "clearcoatNormalTexture")?,
+        ..Clearcoat::default()
     }))
 }
 

@@ -4,7 +4,7 @@ use common::surfaces::*;
 use common::*;
 use etendue_import::{ExportOptions, ImportError, ImportOptions, Imported, Support, export, import_bytes};
 use etendue_scene::*;
-use glam::{Affine2, Vec2};
+use glam::{Affine2, Vec2, Vec3};
 use serde_json::{Value, json};
 
 fn asked() -> ImportOptions {
@@ -32,7 +32,81 @@ fn every_field_arrives() {
     let all: Vec<Extensions> = drafts().into_iter().map(|(name, e, _)| read(name, e)).collect();
     let (texture, none) = (arrived(), Extensions::default());
     let rough = DiffuseRoughness { factor: 0.5, texture };
-    assert_eq!(all[0], Extensions { diffuse_roughness: Some(rough), ..none });
+    assert_eq!(all[0], Extensions { diffuse_roughness: Some(rough), ..none.clone() });
+    let color = Vec3::new(0.1, 0.2, 0.3);
+    let fuzz = Fuzz {
+        factor: 0.5,
+        texture,
+        color,
+        color_texture: texture,
+        roughness: 0.25,
+        roughness_texture: texture,
+    };
+    assert_eq!(all[1], Extensions { fuzz: Some(fuzz), ..none.clone() });
+    let plain = TextureRef { transform: Affine2::IDENTITY, ..texture.unwrap() };
+    let coat = Clearcoat {
+        factor: 0.5,
+        texture,
+        roughness: 0.25,
+        roughness_texture: texture,
+        normal_texture: Some(NormalTexture { texture: plain, scale: -3.0 }),
+        ior: 1.75,
+        color,
+        color_texture: texture,
+        darkening: 0.75,
+        anisotropy: Anisotropy { strength: 0.6, rotation: 1.5, texture },
+    };
+    assert_eq!(all[2], Extensions { clearcoat: Some(coat), ..none });
+}
+
+#[test]
+fn what_the_file_does_not_say_is_the_drafts_default() {
+    let e = read("fuzz", json!({"fuzzFactor": 1}));
+    assert_eq!(e.fuzz.map(|f| (f.color, f.roughness)), Some((Vec3::ONE, 0.5)));
+    let e = read("coat", json!({"coatFactor": 1})).clearcoat.unwrap();
+    assert_eq!(e, Clearcoat { factor: 1.0, darkening: 1.0, ..Clearcoat::default() });
+    let e = read("coat", json!({"coatFactor": 1, "coatIor": 0})).clearcoat.unwrap();
+    assert_eq!(e.ior, 0.0);
+}
+
+/// The older extensions are there for readers that do not know the newer ones, even where these do nothing.
+#[test]
+fn a_draft_goes_before_what_it_replaces() {
+    let both = |coat: f32, fuzz: f32| {
+        json!({"extensions": {
+            "KHR_materials_clearcoat": {"clearcoatFactor": 0.25}, "KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1]},
+            "KHR_materials_coat": {"coatFactor": coat, "coatDarkeningFactor": 0}, "KHR_materials_fuzz": {"fuzzFactor": fuzz}
+        }})
+    };
+    let e = draft(both(0.5, 0.75)).scene.materials[0].extensions.clone().unwrap();
+    assert_eq!((e.clearcoat.unwrap().factor, e.sheen, e.fuzz.unwrap().factor), (0.5, None, 0.75));
+    assert!(e.clearcoat.unwrap().is_plain());
+    assert_eq!(draft(both(0.0, 0.0)).scene.materials[0].extensions, None);
+    let e = with(both(0.5, 0.75)).import().scene.materials[0].extensions.clone().unwrap();
+    assert_eq!((e.clearcoat.unwrap().factor, e.sheen.is_some(), e.fuzz), (0.25, true, None));
+}
+
+/// Values of drafts may be animated.
+#[test]
+fn drafts_are_animated() {
+    let mut m =
+        with(json!({"extensions": {"KHR_materials_fuzz": {}, "KHR_materials_coat": {"coatFactor": 1}}}));
+    let input = m.floats(&[0.0, 2.0], "SCALAR");
+    let output = m.floats(&[0., 1.], "SCALAR");
+    let color = m.floats(&[1., 1., 1., 0., 1., 1.], "VEC3");
+    let target = |p: &str| json!({"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": format!("/materials/0/extensions/{p}")}}});
+    m.json["animations"] = json!([{
+        "samplers": [{"input": input, "output": output}, {"input": input, "output": color}],
+        "channels": [
+            {"sampler": 0, "target": target("KHR_materials_fuzz/fuzzFactor")},
+            {"sampler": 1, "target": target("KHR_materials_coat/coatColorFactor")}
+        ]
+    }]);
+    let i = m.import_with(&ImportOptions { at: Some(0.5), ..asked() }).unwrap();
+    let e = i.scene.materials[0].extensions.clone().unwrap();
+    assert_eq!((e.fuzz.unwrap().factor, e.clearcoat.unwrap().color), (0.25, Vec3::new(0.75, 1.0, 1.0)));
+    let i = m.import_with(&ImportOptions { at: Some(0.5), ..ImportOptions::default() }).unwrap();
+    assert_eq!(i.scene.materials[0].extensions, None);
 }
 
 #[test]

@@ -425,7 +425,9 @@ fn every_parameter_of_a_material_has_a_key() {
         extensions: Some(Box::new(Extensions {
             anisotropy: Some(Default::default()),
             clearcoat: Some(Default::default()),
+            diffuse_roughness: Some(Default::default()),
             diffuse_transmission: Some(Default::default()),
+            fuzz: Some(Default::default()),
             iridescence: Some(Default::default()),
             sheen: Some(Default::default()),
             specular_glossiness: Some(Default::default()),
@@ -453,6 +455,7 @@ fn every_parameter_of_a_material_has_a_key() {
         ("color_texture", "sheen_color_texture"),
         ("roughness_texture", "sheen_roughness_texture"),
         ("factor", "clearcoat"),
+        ("darkening", "coat_darkening"),
         ("sheen", "sheen_color"),
         ("specular_glossiness", "glossiness"),
         ("texture", "transmission_texture"),

@@ -37,6 +37,7 @@ fn every_field_arrives() {
         roughness: 0.25,
         roughness_texture: texture,
         normal_texture: Some(NormalTexture { texture: plain, scale: -3.0 }),
+        ..Clearcoat::default()
     };
     assert_eq!(all[1], Extensions { clearcoat: Some(clearcoat), ..none.clone() });
     let color = Vec3::new(0.1, 0.2, 0.3);

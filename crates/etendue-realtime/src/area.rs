@@ -89,6 +89,8 @@ pub(crate) fn patch(
         }
         if let Some(layers) = &s.layers {
             out.diffuse += layers.fibres_value(wo, middle) * (seen.z * PI);
+            out.diffuse *= layers.tint_at(wo, middle) * layers.over;
+            out.diffuse += layers.top_value(wo, middle) * (seen.z * PI);
         }
         let [a, b] = s.bounces.scale;
         let d = table(&s.gloss);
@@ -101,7 +103,7 @@ pub(crate) fn patch(
             Area::Representative => representative(&s.gloss, inputs, light, choices),
         };
         out.specular += reflectance * filled;
-        out.specular *= s.below_layers();
+        out.specular *= s.veil()[0] * s.below_layers();
         if let Some((coat, gloss)) =
             s.layers.as_ref().and_then(|l| l.coat.as_ref()).and_then(|c| c.gloss.as_ref().map(|g| (c, g)))
         {
@@ -109,7 +111,8 @@ pub(crate) fn patch(
             let [f0, f90] = coat.ends();
             let own = p.map(|v| coat.local(v));
             let filled = lobe_filled(gloss, &own, ltc);
-            out.specular += Spectrum::splat((f0 * d.scale + f90 * d.bias) * filled);
+            let over = s.layers.as_ref().map_or(1.0, |l| l.over);
+            out.specular += Spectrum::splat((f0 * d.scale + f90 * d.bias) * (filled * over));
         }
     }
     if !s.matte[1].is_black() || s.passing.is_some() {
@@ -118,9 +121,12 @@ pub(crate) fn patch(
         if seen.z > 0.0 {
             let middle = seen.normalize_or_zero();
             let f = s.fresnel(wo.z, schlick_weight(wo.z));
-            out.diffuse += s.matte[1] * coupled(s, middle, f, choices) * (seen.z * PI * over_pi(choices));
+            let [mirrored, scattered] = s.veil();
+            let kd = coupled(s, middle, f, choices) * scattered;
+            out.diffuse += s.matte[1] * kd * (seen.z * PI * over_pi(choices));
             if let Some(t) = s.passing.as_ref().filter(|t| !t.is_solid()) {
-                out.passing += t.reflectance(s) * (lobe_filled(t.gloss(), &turned, ltc) * s.below_layers());
+                let filled = lobe_filled(t.gloss(), &turned, ltc);
+                out.passing += t.reflectance(s) * mirrored * (filled * s.below_layers());
             }
         }
     }

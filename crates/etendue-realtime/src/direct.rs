@@ -60,11 +60,13 @@ pub(crate) fn pair(s: &Surface, wi: Vec3A, choices: &Choices) -> Option<Pair> {
     };
     let mut diffuse = s.matte_at(0, wi) * kd * over_pi(choices);
     if let Some(layers) = &s.layers {
-        specular *= s.specular_below(wi);
+        let tint = layers.tint_at(wo, wi);
+        specular *= tint * s.specular_below(wi);
         if let Some(coat) = &layers.coat {
             specular += Spectrum::splat(coat.eval(wi, choices.masking));
         }
-        diffuse += layers.fibres_value(wo, wi);
+        diffuse = (diffuse + layers.fibres_value(wo, wi)) * tint * layers.over + layers.top_value(wo, wi);
+        specular *= layers.over;
     }
     let g = if d > 0.0 { dv / d * (4.0 * wo.z * wi.z) } else { 0.0 };
     Some(Pair { diffuse, specular, nl: wi.z, hv, d, f, g, kd })
@@ -79,7 +81,9 @@ pub(crate) fn from_behind(s: &Surface, wi: Vec3A, choices: &Choices) -> Option<[
     let up = vec3a(wi.x, wi.y, -wi.z);
     let f = s.fresnel(s.gloss.wo.z, schlick_weight(s.gloss.wo.z));
     let diffuse = s.matte_at(1, up) * coupled(s, up, f, choices) * over_pi(choices);
-    Some([diffuse, s.passing.as_ref().map_or(Spectrum::ZERO, |p| p.eval(s, up))])
+    let [mirrored, scattered] = s.veil();
+    let passed = s.passing.as_ref().map_or(Spectrum::ZERO, |p| p.eval(s, up));
+    Some([diffuse * scattered, passed * mirrored])
 }
 
 #[inline(always)]

@@ -2,7 +2,6 @@
 
 use crate::choices::{Choices, Coupling, Diffuse, Pi, SplitFresnel};
 use crate::gloss::{Draws, lattice, samples, to_world};
-use crate::layers::Fibres;
 use crate::lighting::Lighting;
 use crate::sky_light::SkyLight;
 use crate::surface::{Surface, table, unit};
@@ -56,9 +55,14 @@ pub(crate) fn indirect(
         specular += s.bounces.wide * s.bounces.lost * at.wide(frame.z, e) * s.below_layers();
     }
     if let Some(layers) = &s.layers {
-        specular += at.coat(frame);
+        let [mirrored, scattered] = layers.tint;
+        specular = (specular * mirrored + at.coat(frame)) * layers.over;
         if let Some(fibres) = &layers.fibres {
-            diffuse += at.fibres(fibres, frame) * layers.through[0];
+            diffuse += at.fibres(&fibres.lobe, frame) * layers.through[0];
+        }
+        diffuse *= scattered * layers.over;
+        if let Some(top) = &layers.top {
+            diffuse += at.fibres(&top.lobe, frame) * top.weight;
         }
     }
     Indirect { diffuse, specular, irradiance, kd, prefiltered, mip, dfg }
@@ -185,14 +189,14 @@ impl Place<'_> {
     /// The fibres' lobe, by samples also beside the split sum: it is no lobe about a mirror direction, and a cube of its own for
     /// each roughness would only serve the rare cloth.
     #[inline]
-    fn fibres(&self, fibres: &Fibres, frame: &Frame) -> Spectrum {
+    fn fibres<B: Bsdf>(&self, lobe: &B, frame: &Frame) -> Spectrum {
         let n = samples(self.choices.specular).unwrap_or(16).min(256);
         let (wo, inv) = (self.s.gloss.wo, 1.0 / n as f32);
         let (mut lit, mut white) = (Spectrum::ZERO, Spectrum::ZERO);
         for i in 0..n {
             // The third dimension by another irrational number.
             let uc = (i.wrapping_mul(0xb504_f334) >> 8) as f32 * (1.0 / 16_777_216.0);
-            let Some(sample) = fibres.lobe.sample(wo, uc, lattice(i, inv)) else { continue };
+            let Some(sample) = lobe.sample(wo, uc, lattice(i, inv)) else { continue };
             if !(sample.wi.z > MIN_COS) {
                 continue;
             }
@@ -200,7 +204,7 @@ impl Place<'_> {
             lit += sample.weight * light;
             white += sample.weight;
         }
-        let known = fibres.lobe.albedo(wo);
+        let known = lobe.albedo(wo);
         let mut out = Spectrum::ZERO;
         for i in 0..3 {
             if white[i] > 0.0 {

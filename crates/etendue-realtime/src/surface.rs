@@ -211,7 +211,7 @@ impl Surface {
     /// Bands of cosine × what reaches the diffuse part, averaged over azimuths where these matter: a tilted coat has no symmetry, an
     /// anisotropic base repeats each quarter.
     fn entering_bands(&self) -> Bands {
-        let tilted = self.layers.as_ref().and_then(|l| l.coat.as_ref()).is_some_and(|c| c.is_tilted());
+        let tilted = self.layers.as_ref().and_then(|l| l.coat.as_ref()).is_some_and(|c| c.has_azimuths());
         let (count, range) = match (tilted, self.gloss.is_isotropic()) {
             (true, _) => (8, 1.0),
             (false, false) => (3, 0.25),
@@ -258,6 +258,12 @@ impl Surface {
             }
         };
         (1.0 - under).max(0.0) * self.layers.as_ref().map_or(1.0, |l| l.at(w)[1])
+    }
+
+    /// What fuzz and a lacquer's colour leave of mirrored and of diffuse light from below, wherever it comes from.
+    #[inline(always)]
+    pub fn veil(&self) -> [Spectrum; 2] {
+        self.layers.as_ref().map_or([Spectrum::ONE; 2], |l| l.tint.map(|t| t * l.over))
     }
 
     /// What the layers let through of light from the viewer.

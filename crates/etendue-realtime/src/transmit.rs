@@ -108,7 +108,8 @@ impl Passing {
         choices: &Choices,
         around: &A,
     ) -> Spectrum {
-        let factor = self.reflectance(s) * s.below_layers();
+        let veil = s.veil()[0];
+        let factor = self.reflectance(s) * veil * s.below_layers();
         if self.is_solid() {
             return factor * self.through_volume(s, inputs, lighting, choices, around);
         }
@@ -131,7 +132,7 @@ impl Passing {
                     None => [1.0 - s.under[0], 1.0 - s.under[1]],
                     Some(film) => [1.0 - film.under(self.gloss.wo.z); 2],
                 };
-                self.tint * (lit.straight * passes + lit.grazing * grazing)
+                self.tint * veil * (lit.straight * passes + lit.grazing * grazing)
             }
         }
     }

@@ -56,7 +56,8 @@ impl Body {
             interior: passes.then(|| interior(m)).flatten(),
             passes,
             skin: None,
-            directed: e.anisotropy.is_some() || e.clearcoat.is_some_and(|c| c.normal_texture.is_some()),
+            directed: e.anisotropy.is_some()
+                || e.clearcoat.is_some_and(|c| c.normal_texture.is_some() || c.anisotropy.strength > 0.0),
         }
     }
 }

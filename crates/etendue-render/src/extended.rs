@@ -8,9 +8,9 @@ use etendue_bxdf::gltf::GltfParams;
 use etendue_bxdf::math::sin_cos_tau;
 use etendue_bxdf::model::{Closure, Incidence, ModelParams};
 use etendue_color::Spectrum;
-use etendue_scene::{Extensions, Material, Substitute, TextureRef};
+use etendue_scene::{Anisotropy, Extensions, Material, Substitute, TextureRef};
 use etendue_trace::Hit;
-use glam::{Vec3, Vec4};
+use glam::{Vec3, Vec3A, Vec4};
 
 fn spectrum(c: Vec3) -> Spectrum {
     Spectrum::from_rgb(c.to_array())
@@ -36,6 +36,10 @@ pub(crate) fn factors(m: &Material) -> GltfParams {
     if let Some(c) = &e.clearcoat {
         p.clearcoat = c.factor;
         p.clearcoat_roughness = c.roughness;
+        p.coat_ior = c.ior;
+        p.coat_color = spectrum(c.color);
+        p.coat_darkening = c.darkening;
+        p.coat_anisotropy_strength = c.anisotropy.strength;
     }
     if let Some(d) = &e.diffuse_roughness {
         p.diffuse_roughness = d.factor;
@@ -43,6 +47,11 @@ pub(crate) fn factors(m: &Material) -> GltfParams {
     if let Some(d) = &e.diffuse_transmission {
         p.diffuse_transmission = d.factor;
         p.diffuse_transmission_color = spectrum(d.color);
+    }
+    if let Some(f) = &e.fuzz {
+        p.fuzz = f.factor;
+        p.fuzz_color = spectrum(f.color);
+        p.fuzz_roughness = f.roughness;
     }
     if let Some(i) = &e.iridescence {
         p.iridescence = i.factor;
@@ -114,21 +123,19 @@ impl Surface {
         p
     }
 
-    /// Turns the frame to the direction of anisotropy, and finds the coat's normal in it.
+    /// Turns the frame to the direction of anisotropy, and finds the coat's normal and direction in it.
     fn turn(&mut self, world: &World, hit: &Hit, e: &Extensions, p: &mut GltfParams) {
+        // Both directions are about the frame as it is now.
+        let brushed = e.clearcoat.as_ref().map(|c| &c.anisotropy).filter(|a| a.strength > 0.0);
+        let coat_along = brushed.map(|a| self.stretch(world, hit, a, &mut p.coat_anisotropy_strength));
         if let Some(a) = &e.anisotropy {
-            let (mut y, mut x) = sin_cos_tau(a.rotation * (0.5 * std::f32::consts::FRAC_1_PI));
-            if let Some(s) = (Look { surface: self, world, hit }).linear(&a.texture) {
-                p.anisotropy_strength *= s.z;
-                let (u, v) = (s.x * 2.0 - 1.0, s.y * 2.0 - 1.0);
-                (x, y) = (u * x - v * y, u * y + v * x);
-            }
-            // The frame's second axis is the bitangent only where neither the texture nor the surface is turned over.
-            let flip = self.along.sign * self.along.side;
-            let turned = self.frame.x_axis * x + self.frame.y_axis * (y * flip);
+            let turned = self.stretch(world, hit, a, &mut p.anisotropy_strength);
             self.frame = frame(self.frame.z_axis, turned.try_normalize());
         }
         let Some(coat) = &e.clearcoat else { return };
+        if let Some(along) = coat_along {
+            p.coat_tangent = self.frame.transpose() * along;
+        }
         let mut normal = self.smooth;
         if let Some(map) = &coat.normal_texture
             && self.along.side != 0.0
@@ -138,6 +145,19 @@ impl Surface {
         }
         let wo = self.wo;
         p.clearcoat_normal = self.frame.transpose() * towards(normal, wo);
+    }
+
+    /// The direction in which highlights are stretched, and `strength` times what the texture says of it.
+    fn stretch(&mut self, world: &World, hit: &Hit, a: &Anisotropy, strength: &mut f32) -> Vec3A {
+        let (mut y, mut x) = sin_cos_tau(a.rotation * (0.5 * std::f32::consts::FRAC_1_PI));
+        if let Some(s) = (Look { surface: self, world, hit }).linear(&a.texture) {
+            *strength *= s.z;
+            let (u, v) = (s.x * 2.0 - 1.0, s.y * 2.0 - 1.0);
+            (x, y) = (u * x - v * y, u * y + v * x);
+        }
+        // The frame's second axis is the bitangent only where neither the texture nor the surface is turned over.
+        let flip = self.along.sign * self.along.side;
+        self.frame.x_axis * x + self.frame.y_axis * (y * flip)
     }
 }
 
@@ -164,6 +184,9 @@ impl Look<'_> {
         if let Some(c) = &e.clearcoat {
             p.clearcoat *= self.linear(&c.texture).map_or(1.0, |s| s.x);
             p.clearcoat_roughness *= self.linear(&c.roughness_texture).map_or(1.0, |s| s.y);
+            if let Some(s) = self.srgb(&c.color_texture) {
+                p.coat_color *= spectrum(s.truncate());
+            }
         }
         if let Some(d) = &e.diffuse_roughness {
             p.diffuse_roughness *= self.linear(&d.texture).map_or(1.0, |s| s.x);
@@ -173,6 +196,13 @@ impl Look<'_> {
             if let Some(s) = self.srgb(&d.color_texture) {
                 p.diffuse_transmission_color *= spectrum(s.truncate());
             }
+        }
+        if let Some(f) = &e.fuzz {
+            p.fuzz *= self.linear(&f.texture).map_or(1.0, |s| s.x);
+            if let Some(s) = self.srgb(&f.color_texture) {
+                p.fuzz_color *= spectrum(s.truncate());
+            }
+            p.fuzz_roughness *= self.linear(&f.roughness_texture).map_or(1.0, |s| s.w);
         }
         if let Some(i) = &e.iridescence {
             p.iridescence *= self.linear(&i.texture).map_or(1.0, |s| s.x);

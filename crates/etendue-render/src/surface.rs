@@ -3,10 +3,12 @@
 use crate::lookup::Lookup;
 use crate::mesh_data::{MeshData, Vertex};
 use crate::world::World;
+use etendue_bxdf::gltf::under_coat;
 use etendue_bxdf::sampling::basis;
+use etendue_bxdf::sheen::Fuzz;
 use etendue_bxdf::{MetalRough, MetalRoughParams, Schlick};
 use etendue_color::Spectrum;
-use etendue_scene::Material;
+use etendue_scene::{Material, TextureRef};
 use etendue_trace::Hit;
 use glam::{Mat3A, Vec2, Vec3A, Vec4};
 
@@ -219,15 +221,32 @@ impl Surface {
 pub(crate) fn emitted(world: &World, m: &Material, instance: u32, lookup: &mut Lookup, cos: f32) -> Spectrum {
     let mesh = &world.meshes[world.instances[instance as usize].mesh as usize];
     let mut e = emitted_below(world, m, instance, lookup);
-    // What shines below a clear coat has to get through it (KHR_materials_clearcoat, "Emission").
-    if let Some(coat) = m.extensions.as_ref().and_then(|e| e.clearcoat.as_ref()) {
-        let cover = coat.texture.as_ref().map_or(1.0, |t| lookup.linear(world, mesh, t).x) * coat.factor;
-        e *= 1.0 - cover * COAT.eval(cos.abs())[0];
+    let Some(x) = m.extensions.as_deref() else { return e };
+    let scale = |lookup: &mut Lookup, factor: f32, t: &Option<TextureRef>, channel: usize| {
+        t.as_ref().map_or(1.0, |t| lookup.linear(world, mesh, t)[channel]) * factor
+    };
+    // What shines below a clear coat has to get through it (KHR_materials_clearcoat, "Emission"), and through fuzz.
+    if let Some(coat) = &x.clearcoat {
+        let cover = scale(lookup, coat.factor, &coat.texture, 0);
+        if coat.is_plain() {
+            e *= 1.0 - cover * COAT.eval(cos.abs())[0];
+        } else {
+            let mut color = coat.color;
+            if let Some(t) = &coat.color_texture {
+                color *= lookup.srgb(world, mesh, t).truncate();
+            }
+            e *= under_coat(cover, coat.ior, Spectrum::from_rgb(color.to_array()), cos.abs());
+        }
+    }
+    if let Some(f) = &x.fuzz {
+        let (cover, roughness) =
+            (scale(lookup, f.factor, &f.texture, 0), scale(lookup, f.roughness, &f.roughness_texture, 3));
+        e *= 1.0 - cover * Fuzz::new(Spectrum::ONE, roughness).reflectance(cos.abs());
     }
     e
 }
 
-/// The same below a clear coat.
+/// The same below the layers.
 #[inline(always)]
 pub(crate) fn emitted_below(world: &World, m: &Material, instance: u32, lookup: &mut Lookup) -> Spectrum {
     let mesh = &world.meshes[world.instances[instance as usize].mesh as usize];

@@ -1,6 +1,7 @@
 //! What drafts of glTF's material extensions add to a surface.
 
 use crate::TextureRef;
+use glam::Vec3;
 
 /// Rough facets that scatter diffusely (`KHR_materials_diffuse_roughness`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -14,5 +15,41 @@ pub struct DiffuseRoughness {
 impl DiffuseRoughness {
     pub(crate) fn is_finite(&self) -> bool {
         self.factor.is_finite()
+    }
+}
+
+/// Fibres or dust on top of everything (`KHR_materials_fuzz`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fuzz {
+    /// Coverage, 0..1.
+    pub factor: f32,
+    /// Coverage in R.
+    pub texture: Option<TextureRef>,
+    /// Linear colour.
+    pub color: Vec3,
+    /// sRGB.
+    pub color_texture: Option<TextureRef>,
+    /// 0 upright fibres .. 1 dust.
+    pub roughness: f32,
+    /// Roughness in A.
+    pub roughness_texture: Option<TextureRef>,
+}
+
+impl Default for Fuzz {
+    fn default() -> Self {
+        Self {
+            factor: 0.0,
+            texture: None,
+            color: Vec3::ONE,
+            color_texture: None,
+            roughness: 0.5,
+            roughness_texture: None,
+        }
+    }
+}
+
+impl Fuzz {
+    pub(crate) fn is_finite(&self) -> bool {
+        self.factor.is_finite() && self.color.is_finite() && self.roughness.is_finite()
     }
 }

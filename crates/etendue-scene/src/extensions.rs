@@ -3,7 +3,7 @@
 //! Factors are multiplied by their textures where there are some; each field's documentation names the texture's channel.
 
 use crate::material::normal;
-use crate::{DiffuseRoughness, NormalTexture, TextureRef};
+use crate::{DiffuseRoughness, Fuzz, NormalTexture, TextureRef};
 use glam::Vec3;
 
 /// The extensions that a material uses; absent ones cost nothing.
@@ -11,7 +11,7 @@ use glam::Vec3;
 pub struct Extensions {
     /// `KHR_materials_anisotropy`.
     pub anisotropy: Option<Anisotropy>,
-    /// `KHR_materials_clearcoat`.
+    /// `KHR_materials_clearcoat`, or the draft `KHR_materials_coat`, which says more of the same layer.
     pub clearcoat: Option<Clearcoat>,
     /// `KHR_materials_diffuse_roughness`, a draft.
     pub diffuse_roughness: Option<DiffuseRoughness>,
@@ -19,6 +19,8 @@ pub struct Extensions {
     pub diffuse_transmission: Option<DiffuseTransmission>,
     /// `KHR_materials_dispersion`: 20 over the Abbe number of the interior; 0 for none.
     pub dispersion: f32,
+    /// `KHR_materials_fuzz`, a draft.
+    pub fuzz: Option<Fuzz>,
     /// `KHR_materials_iridescence`.
     pub iridescence: Option<Iridescence>,
     /// `KHR_materials_sheen`.
@@ -42,8 +44,8 @@ pub struct Anisotropy {
     pub texture: Option<TextureRef>,
 }
 
-/// A layer of lacquer of index 1.5.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// A layer of lacquer. What `KHR_materials_clearcoat` cannot say is by default what it means.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearcoat {
     /// Coverage, 0..1.
     pub factor: f32,
@@ -55,6 +57,42 @@ pub struct Clearcoat {
     pub roughness_texture: Option<TextureRef>,
     /// Bends the coat's own normal, which otherwise is the one without the base's normal map.
     pub normal_texture: Option<NormalTexture>,
+    /// Index of refraction, ≥ 1; 0 means infinite.
+    pub ior: f32,
+    /// What is left of white light that goes through it and back, at normal incidence, linear.
+    pub color: Vec3,
+    /// sRGB.
+    pub color_texture: Option<TextureRef>,
+    /// How much light that goes to and fro between it and the base darkens the base, 0..1.
+    pub darkening: f32,
+    /// Stretches its highlights.
+    pub anisotropy: Anisotropy,
+}
+
+impl Clearcoat {
+    /// True if `KHR_materials_clearcoat` says all of it.
+    pub fn is_plain(&self) -> bool {
+        let plain = Self::default();
+        (self.ior, self.color, self.color_texture, self.darkening, self.anisotropy)
+            == (plain.ior, plain.color, plain.color_texture, plain.darkening, plain.anisotropy)
+    }
+}
+
+impl Default for Clearcoat {
+    fn default() -> Self {
+        Self {
+            factor: 0.0,
+            texture: None,
+            roughness: 0.0,
+            roughness_texture: None,
+            normal_texture: None,
+            ior: 1.5,
+            color: Vec3::ONE,
+            color_texture: None,
+            darkening: 0.0,
+            anisotropy: Anisotropy::default(),
+        }
+    }
 }
 
 /// Light that passes and comes out evenly, as through a leaf.
@@ -164,10 +202,22 @@ impl Default for Volume {
 /// The textures of extensions, shared or to be changed: one list for both.
 macro_rules! textures {
     ($e:ident, $borrow:ident) => {{
-        let (mut coat, mut sheen) = ([None, None, None], [None, None]);
+        let (mut coat, mut sheen, mut fuzz) = ([const { None }; 5], [None, None], [const { None }; 3]);
         let (mut diffuse, mut film) = ([None, None], [None, None]);
-        if let Some(Clearcoat { texture, roughness_texture, normal_texture, .. }) = $e.clearcoat.$borrow() {
-            coat = [texture.$borrow(), roughness_texture.$borrow(), normal!(normal_texture, $borrow)];
+        if let Some(Clearcoat {
+            texture, roughness_texture, normal_texture, color_texture, anisotropy, ..
+        }) = $e.clearcoat.$borrow()
+        {
+            coat = [
+                texture.$borrow(),
+                roughness_texture.$borrow(),
+                normal!(normal_texture, $borrow),
+                color_texture.$borrow(),
+                anisotropy.texture.$borrow(),
+            ];
+        }
+        if let Some(Fuzz { texture, color_texture, roughness_texture, .. }) = $e.fuzz.$borrow() {
+            fuzz = [texture.$borrow(), color_texture.$borrow(), roughness_texture.$borrow()];
         }
         if let Some(DiffuseTransmission { texture, color_texture, .. }) = $e.diffuse_transmission.$borrow() {
             diffuse = [texture.$borrow(), color_texture.$borrow()];
@@ -185,7 +235,7 @@ macro_rules! textures {
             $e.transmission.$borrow().and_then(|e| e.texture.$borrow()),
             $e.volume.$borrow().and_then(|e| e.thickness_texture.$borrow()),
         ];
-        coat.into_iter().chain(diffuse).chain(film).chain(sheen).chain(others).flatten()
+        coat.into_iter().chain(diffuse).chain(film).chain(fuzz).chain(sheen).chain(others).flatten()
     }};
 }
 
@@ -208,7 +258,13 @@ impl Extensions {
                 e.factor.is_finite()
                     && e.roughness.is_finite()
                     && e.normal_texture.is_none_or(|n| n.scale.is_finite())
+                    && e.ior.is_finite()
+                    && e.color.is_finite()
+                    && e.darkening.is_finite()
+                    && e.anisotropy.strength.is_finite()
+                    && e.anisotropy.rotation.is_finite()
             })
+            && self.fuzz.is_none_or(|e| e.is_finite())
             && self.diffuse_roughness.is_none_or(|e| e.is_finite())
             && self.diffuse_transmission.is_none_or(|e| e.factor.is_finite() && e.color.is_finite())
             && self.iridescence.is_none_or(|e| {

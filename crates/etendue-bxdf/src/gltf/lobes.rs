@@ -6,7 +6,8 @@ pub(super) const SHEEN: usize = 1;
 pub(super) const SPECULAR: usize = 2;
 pub(super) const DIFFUSE: usize = 3;
 pub(super) const THROUGH: usize = 4;
-pub(super) const LOBES: usize = 5;
+pub(super) const FUZZ: usize = 5;
+pub(super) const LOBES: usize = 6;
 
 /// Probabilities in proportion to `weights`; a part of less than a millionth is never picked: one over its probability
 /// could leave `f32`.

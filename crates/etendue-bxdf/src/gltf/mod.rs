@@ -3,7 +3,8 @@
 //! From the top, with the extensions' names:
 //!
 //! ```text
-//! clearcoat                    GGX, index 1.5, own normal and roughness
+//! fuzz                         fibres as a volume (Zeltner, Burley, Chiang 2022)
+//! clearcoat or coat            GGX, own index (1.5), normal, roughness and anisotropy; may absorb and darken
 //! sheen                        fibres (Estevez, Kulla 2017)
 //! base = mix(dielectric, metal, metallic)
 //!   F        Schlick, F0 from ior, specular, specular_color; under a film where iridescence covers it
@@ -28,8 +29,12 @@
 //!   the lobe for light from straight up, of which T lets most through; from elsewhere the lobe then returns up to 2 % less than
 //!   T(wo) of its albedo.
 //!
-//! No light goes to and fro between coat and base: that the extension leaves out too. So a coated surface keeps its colour
-//! and does not darken.
+//! The fuzz leaves 1 − weight · R(wo) to all that lies below it, by the viewer's direction alone: its lobe is not reciprocal either.
+//!
+//! A clear coat without `coat_darkening` is `KHR_materials_clearcoat`: no light goes to and fro between it and the base, and a coated
+//! surface keeps its colour. `KHR_materials_coat` adds absorption and darkening, as OpenPBR has them ([`crate::varnish`]): what lies
+//! below is multiplied by mix(1, coat_color^½(1/µo + 1/µi), clearcoat), µ being the cosines within the coat, and by a factor for the
+//! light to and fro that depends on the base's albedo and on the viewer's direction.
 //!
 //! # Further bounces
 //! Light that is reflected by several microfacets comes back by a wide lobe, as in [`crate::metal_rough`]
@@ -50,11 +55,13 @@ mod body;
 mod coat;
 mod extended;
 mod facet;
+mod fibres;
 mod lobes;
 mod matte;
 mod params;
 mod shape;
 
+pub use coat::{Tint, coat_f0, under_coat};
 pub use params::GltfParams;
 
 use crate::{
@@ -123,12 +130,12 @@ fn ior_in_lane(p: &GltfParams, lane: Option<u8>, lanes: Lanes) -> f32 {
 
 impl ModelParams for GltfParams {
     type Closure = Gltf;
-    const ABOUT: &'static str = "glTF 2.0's surface with the KHR_materials extensions: clearcoat, sheen, transmission, volume, \
-         ior, specular, iridescence, anisotropy, dispersion, diffuse_transmission";
+    const ABOUT: &'static str = "glTF 2.0's surface with the KHR_materials extensions: clearcoat, coat, sheen, fuzz, \
+         transmission, volume, ior, specular, iridescence, anisotropy, dispersion, diffuse_transmission, diffuse_roughness";
     const CLAIMS: Claims = Claims {
         reciprocal: Claim::Breaks(
-            "a coat with a normal of its own meets light by its own cosine, and diffuse light through a boundary \
-             that also refracts is not scaled by the squared index; all else is reciprocal",
+            "a coat with a normal of its own meets light by its own cosine, its darkening and the fuzz follow the viewer, and \
+             diffuse light through a boundary that also refracts is not scaled by the squared index; all else is reciprocal",
         ),
         conserves: Claim::Holds,
     };

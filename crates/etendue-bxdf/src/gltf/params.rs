@@ -23,15 +23,31 @@ parameters! {
         specular: f32 = 1.0, 0.0..1.0;
         /// Tint of the dielectric's F0; lanes ≥ 0, may exceed 1.
         specular_color: Spectrum = Spectrum::ONE, 0.0..1.0;
-        /// Coverage by a layer of lacquer of index 1.5, 0..1.
+        /// Coverage by a layer of lacquer, 0..1.
         clearcoat: f32 = 0.0, 0.0..1.0;
         /// Perceptual roughness of the lacquer, 0..1.
         clearcoat_roughness: f32 = 0.0, 0.0..1.0;
         /// The lacquer's normal in the local frame, whose +Z is the base's normal; need not be unit.
         clearcoat_normal: Vec3A = Vec3A::Z, -1.0..1.0;
-        /// Colour and strength of the fuzz; lanes 0..1, black for none.
+        /// Index of refraction of the lacquer, ≥ 1; 0 means infinite.
+        coat_ior: f32 = 1.5, 1.0..4.0;
+        /// What is left of white light that goes through the lacquer to the base and back, at normal incidence; lanes 0..1.
+        coat_color: Spectrum = Spectrum::ONE, 0.0..1.0;
+        /// How much light that goes to and fro between lacquer and base darkens the base, 0 (not at all) .. 1.
+        coat_darkening: f32 = 0.0, 0.0..1.0;
+        /// How much longer the lacquer's highlights are along `coat_tangent`, 0..1, as `anisotropy_strength` of the base.
+        coat_anisotropy_strength: f32 = 0.0, 0.0..1.0;
+        /// Direction of the lacquer's longer highlights in the local frame; need neither be unit nor perpendicular to its normal.
+        coat_tangent: Vec3A = Vec3A::X, -1.0..1.0;
+        /// Coverage by fuzz, fibres on top of all, 0..1.
+        fuzz: f32 = 0.0, 0.0..1.0;
+        /// Colour of the fuzz; lanes 0..1.
+        fuzz_color: Spectrum = Spectrum::ONE, 0.0..1.0;
+        /// Roughness of the fuzz, 0 upright fibres .. 1 dust.
+        fuzz_roughness: f32 = 0.5, 0.0..1.0;
+        /// Colour and strength of the sheen, fibres under the lacquer; lanes 0..1, black for none.
         sheen_color: Spectrum = Spectrum::ZERO, 0.0..1.0;
-        /// Perceptual roughness of the fuzz, 0..1.
+        /// Perceptual roughness of the sheen, 0..1.
         sheen_roughness: f32 = 0.0, 0.0..1.0;
         /// Part of the light that enters a dielectric and is let through instead of being scattered diffusely, 0..1.
         transmission: f32 = 0.0, 0.0..1.0;
@@ -105,6 +121,7 @@ impl GltfParams {
             || self.anisotropy_strength > 0.0
             || self.diffuse_transmission > 0.0
             || self.diffuse_roughness > 0.0
+            || self.fuzz > 0.0
     }
 }
 

@@ -5,7 +5,12 @@ use super::{
     index::{anisotropic_alpha, index, unit},
     lobe::{Lobe, Seen},
 };
-use crate::{bsdf::MIN_COS, fresnel::dielectric, fresnel_term::dielectric_average, ggx::ALPHA_DELTA, math};
+use crate::{
+    bsdf::MIN_COS,
+    fresnel::dielectric,
+    ggx::ALPHA_DELTA,
+    varnish::{Under, Varnish},
+};
 use etendue_color::Spectrum;
 use glam::{Mat3A, Vec3A};
 
@@ -18,16 +23,7 @@ pub(super) struct Coat {
     /// From the base's frame to the coat's; `None` if they are the same.
     frame: Option<Mat3A>,
     eta: f32,
-    inv_eta2: f32,
-    /// ln of the transmittance of one crossing at normal incidence; `None` if the coat is clear.
-    log: Option<Spectrum>,
-    /// Albedo of the base at normal incidence, for the darkening.
-    base: Spectrum,
-    /// weight · coat_darkening.
-    darkening: f32,
-    /// Internal diffuse reflection coefficient over a rough base, and how rough the base is.
-    k_rough: f32,
-    base_roughness: f32,
+    varnish: Varnish,
 }
 
 /// The coat from one direction.
@@ -58,15 +54,6 @@ fn tilted(normal: Vec3A, tangent: Vec3A) -> Option<Mat3A> {
     Some(Mat3A::from_cols(t, n.cross(t), n).transpose())
 }
 
-/// What the darkening must know of the base.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Under {
-    /// Its albedo at normal incidence.
-    pub albedo: Spectrum,
-    /// How rough it is to the light within the coat: r_b of OpenPBR 1.1, equation "base_roughness_estimate".
-    pub roughness: f32,
-}
-
 impl Coat {
     /// `None` if there is no coat. `outside` is the index of the surroundings.
     #[inline]
@@ -89,14 +76,7 @@ impl Coat {
             lobe: Lobe::new(alpha),
             frame,
             eta,
-            inv_eta2: 1.0 / (eta * eta),
-            // `coat_color` is that of two crossings.
-            log: (color != Spectrum::ONE).then(|| color.map(|c| 0.5 * math::ln(c.max(1e-6)))),
-            base: under.albedo,
-            darkening: weight * unit(p.coat_darkening),
-            // OpenPBR 1.1, equation "internal_diffuse_reflection_coefficient_for_rough_base".
-            k_rough: unit(1.0 - (1.0 - dielectric_average(eta)) / (eta * eta)),
-            base_roughness: under.roughness,
+            varnish: Varnish::new(eta, color, under, weight * unit(p.coat_darkening)),
         })
     }
 
@@ -135,19 +115,16 @@ impl Coat {
         dielectric(cos, self.eta)
     }
 
-    /// 1/µ within the coat for a cosine outside (OpenPBR 1.1, "View-dependent absorption": µ² = 1 − (1 − µ²) / η²).
+    /// 1/µ within the coat for a cosine outside.
     #[inline(always)]
     pub fn longer(&self, cos: f32) -> f32 {
-        1.0 / (1.0 - (1.0 - cos * cos).max(0.0) * self.inv_eta2).max(1e-6).sqrt()
+        self.varnish.longer(cos)
     }
 
     /// What is left of light that crosses the coat over `crossings` times its thickness.
     #[inline(always)]
     pub fn transmittance(&self, crossings: f32) -> Spectrum {
-        match self.log {
-            None => Spectrum::ONE,
-            Some(log) => log.map(|l| math::exp(l * crossings)),
-        }
+        self.varnish.transmittance(crossings)
     }
 
     /// The coat seen from `wo` of the base's frame.
@@ -162,7 +139,7 @@ impl Coat {
                 albedo: 0.0,
                 through: 1.0,
                 longer: self.longer(wo.z),
-                darkening: self.darkened(self.fresnel(wo.z)),
+                darkening: self.varnish.darkened(self.fresnel(wo.z)),
             };
         }
         let seen: Seen = self.lobe.seen(local);
@@ -175,25 +152,8 @@ impl Coat {
             albedo: self.weight * albedo,
             through: (1.0 - albedo - seen.slack).max(0.0),
             longer: self.longer(local.z),
-            darkening: self.darkened(self.fresnel(local.z)),
+            darkening: self.varnish.darkened(self.fresnel(local.z)),
         }
-    }
-
-    /// The factor of the base by light that goes to and fro between coat and base (OpenPBR 1.1, equations
-    /// "general_darkening_formula" and "modulated_darkening_factor"): lerp(1, (1 − K) / (1 − E K), weight · darkening).
-    #[inline(always)]
-    fn darkened(&self, k_smooth: f32) -> Spectrum {
-        if self.darkening == 0.0 {
-            return Spectrum::ONE;
-        }
-        let k = k_smooth + (self.k_rough - k_smooth) * self.base_roughness;
-        // Keeps a white base white where K reaches one.
-        const LEAST: f32 = 1e-6;
-        let part = self.darkening;
-        self.base.map(|e| {
-            let delta = (1.0 - k + LEAST) / (1.0 - e * k + LEAST);
-            1.0 + (delta.min(1.0) - 1.0) * part
-        })
     }
 
     /// Factor of what the base scatters from one direction to another, given 1/µ of both within the coat: uncovered and

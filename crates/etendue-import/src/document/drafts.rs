@@ -1,9 +1,27 @@
 //! Material extensions that are drafts, as the file says them. The revisions that were read stand in [`crate::drafts`].
 
 use super::TextureInfo;
+use super::material::with_factor;
+use super::surface::Anisotropy;
 use crate::error::Fault;
 use crate::extensions as ext;
 use crate::json::{Object, Reader};
+
+/// `KHR_materials_coat`.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Coat {
+    pub factor: Option<f64>,
+    pub texture: Option<TextureInfo>,
+    pub roughness: Option<f64>,
+    pub roughness_texture: Option<TextureInfo>,
+    pub normal_texture: Option<TextureInfo>,
+    pub normal_scale: Option<f64>,
+    pub ior: Option<f64>,
+    pub color: Option<[f64; 3]>,
+    pub color_texture: Option<TextureInfo>,
+    pub darkening: Option<f64>,
+    pub anisotropy: Anisotropy,
+}
 
 /// `KHR_materials_diffuse_roughness`.
 #[derive(Clone, Copy, Default)]
@@ -12,10 +30,23 @@ pub(crate) struct DiffuseRoughness {
     pub texture: Option<TextureInfo>,
 }
 
+/// `KHR_materials_fuzz`.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Fuzz {
+    pub factor: Option<f64>,
+    pub texture: Option<TextureInfo>,
+    pub color: Option<[f64; 3]>,
+    pub color_texture: Option<TextureInfo>,
+    pub roughness: Option<f64>,
+    pub roughness_texture: Option<TextureInfo>,
+}
+
 /// All of them.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Drafts {
+    pub coat: Option<Coat>,
     pub diffuse_roughness: Option<DiffuseRoughness>,
+    pub fuzz: Option<Fuzz>,
 }
 
 impl Drafts {
@@ -23,6 +54,36 @@ impl Drafts {
     pub fn read<'v>(r: &mut Reader<'v>, o: &'v Object) -> Result<Self, Fault> {
         let number = Reader::number;
         Ok(Self {
+            coat: r.extension(o, ext::COAT, |r, o| {
+                let (normal_texture, normal_scale) = with_factor(r, o, "coatNormalTexture", "scale")?;
+                Ok(Coat {
+                    factor: r.soft(o, "coatFactor", number),
+                    texture: r.opt(o, "coatTexture", TextureInfo::read)?,
+                    roughness: r.soft(o, "coatRoughnessFactor", number),
+                    roughness_texture: r.opt(o, "coatRoughnessTexture", TextureInfo::read)?,
+                    normal_texture,
+                    normal_scale,
+                    ior: r.soft(o, "coatIor", number),
+                    color: r.soft(o, "coatColorFactor", Reader::numbers),
+                    color_texture: r.opt(o, "coatColorTexture", TextureInfo::read)?,
+                    darkening: r.soft(o, "coatDarkeningFactor", number),
+                    anisotropy: Anisotropy {
+                        strength: r.soft(o, "coatAnisotropyStrength", number),
+                        rotation: r.soft(o, "coatAnisotropyRotation", number),
+                        texture: r.opt(o, "coatAnisotropyTexture", TextureInfo::read)?,
+                    },
+                })
+            })?,
+            fuzz: r.extension(o, ext::FUZZ, |r, o| {
+                Ok(Fuzz {
+                    factor: r.soft(o, "fuzzFactor", number),
+                    texture: r.opt(o, "fuzzTexture", TextureInfo::read)?,
+                    color: r.soft(o, "fuzzColorFactor", Reader::numbers),
+                    color_texture: r.opt(o, "fuzzColorTexture", TextureInfo::read)?,
+                    roughness: r.soft(o, "fuzzRoughnessFactor", number),
+                    roughness_texture: r.opt(o, "fuzzRoughnessTexture", TextureInfo::read)?,
+                })
+            })?,
             diffuse_roughness: r.extension(o, ext::DIFFUSE_ROUGHNESS, |r, o| {
                 Ok(DiffuseRoughness {
                     factor: r.soft(o, "diffuseRoughnessFactor", number),
@@ -34,19 +95,48 @@ impl Drafts {
 
     /// True if there is none.
     pub fn is_empty(&self) -> bool {
-        self.diffuse_roughness.is_none()
+        self.coat.is_none() && self.diffuse_roughness.is_none() && self.fuzz.is_none()
     }
 
     /// The numbers that the file gives, by the names of `etendue info`.
     pub fn factors(&self) -> impl Iterator<Item = (&'static str, Vec<f64>)> + use<> {
         let one = |v: Option<f64>| v.map(|v| vec![v]);
         let rough = self.diffuse_roughness.unwrap_or_default();
-        [("diffuseRoughness", one(rough.factor))].into_iter().filter_map(|(k, v)| Some((k, v?)))
+        let (coat, fuzz) = (self.coat.unwrap_or_default(), self.fuzz.unwrap_or_default());
+        [
+            ("coat", one(coat.factor)),
+            ("coatRoughness", one(coat.roughness)),
+            ("coatNormalScale", one(coat.normal_scale)),
+            ("coatIor", one(coat.ior)),
+            ("coatColor", coat.color.map(Vec::from)),
+            ("coatDarkening", one(coat.darkening)),
+            ("coatAnisotropy", one(coat.anisotropy.strength)),
+            ("coatAnisotropyRotation", one(coat.anisotropy.rotation)),
+            ("diffuseRoughness", one(rough.factor)),
+            ("fuzz", one(fuzz.factor)),
+            ("fuzzColor", fuzz.color.map(Vec::from)),
+            ("fuzzRoughness", one(fuzz.roughness)),
+        ]
+        .into_iter()
+        .filter_map(|(k, v)| Some((k, v?)))
     }
 
     /// The textures that the file gives, by the names of `etendue info`.
     pub fn textures(&self) -> impl Iterator<Item = (&'static str, TextureInfo)> + use<> {
         let rough = self.diffuse_roughness.unwrap_or_default();
-        [("diffuseRoughness", rough.texture)].into_iter().filter_map(|(k, t)| Some((k, t?)))
+        let (coat, fuzz) = (self.coat.unwrap_or_default(), self.fuzz.unwrap_or_default());
+        [
+            ("coat", coat.texture),
+            ("coatRoughness", coat.roughness_texture),
+            ("coatNormal", coat.normal_texture),
+            ("coatColor", coat.color_texture),
+            ("coatAnisotropy", coat.anisotropy.texture),
+            ("diffuseRoughness", rough.texture),
+            ("fuzz", fuzz.texture),
+            ("fuzzColor", fuzz.color_texture),
+            ("fuzzRoughness", fuzz.roughness_texture),
+        ]
+        .into_iter()
+        .filter_map(|(k, t)| Some((k, t?)))
     }
 }

@@ -225,6 +225,7 @@ fn leave_out(m: &mut Material, set: fn(&mut Material, Option<TextureRef>)) {
                 clearcoat: now.clearcoat.filter(|_| had.clearcoat.is_some()),
                 diffuse_roughness: now.diffuse_roughness.filter(|_| had.diffuse_roughness.is_some()),
                 diffuse_transmission: now.diffuse_transmission.filter(|_| had.diffuse_transmission.is_some()),
+                fuzz: now.fuzz.filter(|_| had.fuzz.is_some()),
                 iridescence: now.iridescence.filter(|_| had.iridescence.is_some()),
                 sheen: now.sheen.filter(|_| had.sheen.is_some()),
                 specular_glossiness: now.specular_glossiness.filter(|_| had.specular_glossiness.is_some()),

@@ -6,7 +6,7 @@ use etendue_bxdf::model;
 use etendue_bxdf::model::Field as _;
 use etendue_bxdf::multiscatter::Compensation;
 use etendue_scene::{
-    AlphaMode, Anisotropy, Clearcoat, DiffuseRoughness, DiffuseTransmission, Extensions, Iridescence,
+    AlphaMode, Anisotropy, Clearcoat, DiffuseRoughness, DiffuseTransmission, Extensions, Fuzz, Iridescence,
     Material, NormalTexture, Sheen, SpecularGlossiness, TextureRef, Transmission, Volume,
 };
 
@@ -38,6 +38,9 @@ fn rough(m: &mut Material) -> &mut DiffuseRoughness {
 }
 fn passes(m: &mut Material) -> &mut DiffuseTransmission {
     extensions(m).diffuse_transmission.get_or_insert_default()
+}
+fn fuzz(m: &mut Material) -> &mut Fuzz {
+    extensions(m).fuzz.get_or_insert_default()
 }
 fn film(m: &mut Material) -> &mut Iridescence {
     extensions(m).iridescence.get_or_insert_default()
@@ -113,10 +116,18 @@ pub(crate) fn factors() -> Vec<SurfaceKey> {
                 n.scale = v.f32();
             }
         }).or("1")),
+        plain(field("coat_ior", Kind::Number([0.0, 100.0]), "Index of the lacquer; 0 reflects everything", |m, v| coat(m).ior = v.f32()).or("1.5")),
+        plain(field("coat_color", Kind::Color, "What is left of white light that goes through the lacquer and back", |m, v| coat(m).color = v.numbers().into()).or("[1, 1, 1]")),
+        plain(field("coat_darkening", unit(), "How much light between lacquer and base darkens the base", |m, v| coat(m).darkening = v.f32()).or("0")),
+        plain(field("coat_anisotropy_strength", unit(), "How much the lacquer's highlights are stretched", |m, v| coat(m).anisotropy.strength = v.f32()).or("0")),
+        plain(field("coat_anisotropy_rotation", Kind::ANY, "Direction of that stretch: radians from the tangent, counter-clockwise", |m, v| coat(m).anisotropy.rotation = v.f32()).or("0")),
         plain(field("diffuse_roughness", unit(), "Roughness of what is scattered diffusely: 0 even to 1", |m, v| rough(m).factor = v.f32()).or("0")),
         plain(field("diffuse_transmission", unit(), "Part of the diffuse light that passes, as through a leaf", |m, v| passes(m).factor = v.f32()).or("0")),
         plain(field("diffuse_transmission_color", Kind::Color, "Colour of what passes", |m, v| passes(m).color = v.numbers().into()).or("[1, 1, 1]")),
         plain(field("dispersion", Kind::POSITIVE, "20 over the Abbe number of the interior; 0 for none", |m, v| extensions(m).dispersion = v.f32()).or("0")),
+        plain(field("fuzz", unit(), "Coverage by fibres or dust, on top of everything", |m, v| fuzz(m).factor = v.f32()).or("0")),
+        plain(field("fuzz_color", Kind::Color, "Colour of the fuzz", |m, v| fuzz(m).color = v.numbers().into()).or("[1, 1, 1]")),
+        plain(field("fuzz_roughness", unit(), "Roughness of the fuzz: 0 upright fibres to 1 dust", |m, v| fuzz(m).roughness = v.f32()).or("0.5")),
         plain(field("iridescence", unit(), "Coverage of a thin film", |m, v| film(m).factor = v.f32()).or("0")),
         plain(field("iridescence_ior", Kind::Number([1.0, 100.0]), "Index of the film", |m, v| film(m).ior = v.f32()).or("1.3")),
         plain(field("iridescence_thickness", Kind::Numbers(vec![1, 2]), "Thickness of the film, nanometres; or where its texture is 0 and where it is 1 or absent", |m, v| {
@@ -126,8 +137,8 @@ pub(crate) fn factors() -> Vec<SurfaceKey> {
             }
             .map(|t| t.max(0.0));
         }).or("[100, 400]")),
-        plain(field("sheen_color", Kind::Color, "Colour and strength of fuzz", |m, v| sheen(m).color = v.numbers().into()).or("[0, 0, 0]")),
-        plain(field("sheen_roughness", unit(), "Perceptual roughness of fuzz", |m, v| sheen(m).roughness = v.f32()).or("0")),
+        plain(field("sheen_color", Kind::Color, "Colour and strength of sheen, fibres under the lacquer", |m, v| sheen(m).color = v.numbers().into()).or("[0, 0, 0]")),
+        plain(field("sheen_roughness", unit(), "Perceptual roughness of sheen", |m, v| sheen(m).roughness = v.f32()).or("0")),
         plain(field("glossiness", unit(), "1 − roughness; of the older specular-glossiness workflow, which this begins", |m, v| glossy(m).glossiness = v.f32()).or("1")),
         plain(field("glossiness_specular", Kind::Color, "Reflection at normal incidence; of the specular-glossiness workflow, which this begins", |m, v| glossy(m).specular = v.numbers().into()).or("[1, 1, 1]")),
         plain(field("transmission", unit(), "Part of the light that is refracted instead of scattered diffusely", |m, v| refracts(m).factor = v.f32()).or("0")),
@@ -177,6 +188,18 @@ pub(crate) fn textures() -> Vec<TextureKey> {
         slot("clearcoat_normal_texture", "Normal map of the lacquer, +Y up", false, |m, t| {
             coat(m).normal_texture = normal(t)
         }),
+        slot("coat_color_texture", "Colour of the lacquer (sRGB)", false, |m, t| coat(m).color_texture = t),
+        slot(
+            "coat_anisotropy_texture",
+            "Direction of the lacquer's stretch in red and green, strength in blue",
+            false,
+            |m, t| coat(m).anisotropy.texture = t,
+        ),
+        slot("fuzz_texture", "Coverage by fuzz in red", false, |m, t| fuzz(m).texture = t),
+        slot("fuzz_color_texture", "Colour of the fuzz (sRGB)", false, |m, t| fuzz(m).color_texture = t),
+        slot("fuzz_roughness_texture", "Roughness of the fuzz in alpha", false, |m, t| {
+            fuzz(m).roughness_texture = t
+        }),
         slot(
             "diffuse_roughness_texture",
             "Roughness of what is scattered diffusely, in red",
@@ -196,8 +219,8 @@ pub(crate) fn textures() -> Vec<TextureKey> {
         slot("iridescence_thickness_texture", "Thickness of the film in green", false, |m, t| {
             film(m).thickness_texture = t
         }),
-        slot("sheen_color_texture", "Colour of the fuzz (sRGB)", false, |m, t| sheen(m).color_texture = t),
-        slot("sheen_roughness_texture", "Roughness of the fuzz in alpha", false, |m, t| {
+        slot("sheen_color_texture", "Colour of the sheen (sRGB)", false, |m, t| sheen(m).color_texture = t),
+        slot("sheen_roughness_texture", "Roughness of the sheen in alpha", false, |m, t| {
             sheen(m).roughness_texture = t
         }),
         slot("glossiness_texture", "Specular colour (sRGB), and glossiness in alpha", false, |m, t| {

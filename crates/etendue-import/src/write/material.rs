@@ -209,6 +209,7 @@ fn lit(m: &Material, w: &mut Writer<'_>, e: &mut Map<String, Value>) {
         diffuse_roughness,
         diffuse_transmission,
         dispersion,
+        fuzz,
         iridescence,
         sheen,
         specular_glossiness: _,
@@ -222,6 +223,33 @@ fn lit(m: &Material, w: &mut Writer<'_>, e: &mut Map<String, Value>) {
         o.some("anisotropyTexture", w.texture(a.texture));
         add(ext::ANISOTROPY, o);
     }
+    if let Some(c) = clearcoat.filter(|c| !c.is_plain()) {
+        let mut o = Object::default();
+        o.number("coatFactor", c.factor, 0.0);
+        o.some("coatTexture", w.texture(c.texture));
+        o.number("coatRoughnessFactor", c.roughness, 0.0);
+        o.some("coatRoughnessTexture", w.texture(c.roughness_texture));
+        o.some("coatNormalTexture", w.normal(c.normal_texture));
+        o.number("coatIor", c.ior, 1.5);
+        o.color("coatColorFactor", c.color, Vec3::ONE);
+        o.some("coatColorTexture", w.texture(c.color_texture));
+        o.number("coatDarkeningFactor", c.darkening, 1.0);
+        o.number("coatAnisotropyStrength", c.anisotropy.strength, 0.0);
+        o.number("coatAnisotropyRotation", c.anisotropy.rotation, 0.0);
+        o.some("coatAnisotropyTexture", w.texture(c.anisotropy.texture));
+        add(ext::COAT, o);
+    }
+    if let Some(f) = fuzz {
+        let mut o = Object::default();
+        o.number("fuzzFactor", f.factor, 0.0);
+        o.some("fuzzTexture", w.texture(f.texture));
+        o.color("fuzzColorFactor", f.color, Vec3::ONE);
+        o.some("fuzzColorTexture", w.texture(f.color_texture));
+        o.set("fuzzRoughnessFactor", json!(f.roughness));
+        o.some("fuzzRoughnessTexture", w.texture(f.roughness_texture));
+        add(ext::FUZZ, o);
+    }
+    // Also beside a coat, for readers that do not know it.
     if let Some(c) = clearcoat {
         let mut o = Object::default();
         o.number("clearcoatFactor", c.factor, 0.0);

@@ -15,11 +15,31 @@ pub fn texture() -> Value {
 /// The same for drafts.
 pub fn drafts() -> Vec<(&'static str, Value, Value)> {
     let t = texture;
-    vec![(
-        "diffuse_roughness",
-        json!({"diffuseRoughnessFactor": 0.5, "diffuseRoughnessTexture": t()}),
-        json!({"diffuseRoughnessTexture": t()}),
-    )]
+    vec![
+        (
+            "diffuse_roughness",
+            json!({"diffuseRoughnessFactor": 0.5, "diffuseRoughnessTexture": t()}),
+            json!({"diffuseRoughnessTexture": t()}),
+        ),
+        (
+            "fuzz",
+            json!({
+                "fuzzFactor": 0.5, "fuzzTexture": t(), "fuzzColorFactor": [0.1, 0.2, 0.3], "fuzzColorTexture": t(),
+                "fuzzRoughnessFactor": 0.25, "fuzzRoughnessTexture": t()
+            }),
+            json!({"fuzzTexture": t(), "fuzzColorFactor": [0.1, 0.2, 0.3], "fuzzRoughnessFactor": 1}),
+        ),
+        (
+            "coat",
+            json!({
+                "coatFactor": 0.5, "coatTexture": t(), "coatRoughnessFactor": 0.25, "coatRoughnessTexture": t(),
+                "coatNormalTexture": {"index": 1, "texCoord": 1, "scale": -3}, "coatIor": 1.75,
+                "coatColorFactor": [0.1, 0.2, 0.3], "coatColorTexture": t(), "coatDarkeningFactor": 0.75,
+                "coatAnisotropyStrength": 0.6, "coatAnisotropyRotation": 1.5, "coatAnisotropyTexture": t()
+            }),
+            json!({"coatTexture": t(), "coatColorFactor": [0.1, 0.2, 0.3], "coatAnisotropyStrength": 1}),
+        ),
+    ]
 }
 
 /// Per extension: its name, one that does something, and one whose factors make it do nothing.

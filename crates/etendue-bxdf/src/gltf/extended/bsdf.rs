@@ -5,7 +5,7 @@ use crate::{
     bsdf::{Bsdf, BsdfSample, DeltaPart, Eval, LobeKind, MIN_COS},
     gltf::{
         body::Body,
-        lobes::{COAT, SHEEN, SPECULAR, THROUGH, pick},
+        lobes::{COAT, FUZZ, SHEEN, SPECULAR, THROUGH, pick},
     },
 };
 use etendue_color::Spectrum;
@@ -41,6 +41,7 @@ impl Bsdf for Extended {
             (COAT, Some(c), _) => (c.sample(wo, u)?, c.is_mirror()),
             (SHEEN, _, Some(s)) => (s.sample(wo, uc, u)?.wi, false),
             (SPECULAR, ..) => self.base.sample(wo, uc, u)?,
+            (FUZZ, ..) => (self.fuzz.as_ref()?.sample(wo, uc, u)?, false),
             (THROUGH, ..) => (self.matte.sample(1, wo, uc, u), false),
             _ => (self.matte.sample(0, wo, uc, u), false),
         };
@@ -88,17 +89,21 @@ impl Bsdf for Extended {
             Body::Solid(lobe) => lobe.albedo(wo) - reflected,
             _ => passed,
         };
-        let mut out = (reflected + squeeze) * view.layers[1];
-        out += self.matte.albedo(wo, view.entering);
-        if self.layers[0] {
-            if let Some(c) = &self.coat {
-                out += Spectrum::splat(c.split(wo).1);
-            }
-            if let Some(s) = &self.sheen {
-                out += s.albedo(wo) * view.layers[0];
-            }
+        let (coat, sheen, fuzz) = if self.layers[0] {
+            (self.coat.as_ref(), self.sheen.as_ref(), self.fuzz.as_ref())
+        } else {
+            (None, None, None)
+        };
+        let [mirrored, scattered] = coat.map_or([Spectrum::ONE; 2], |c| c.varnished_over(wo));
+        let mut out = (reflected + squeeze) * view.layers[1] * mirrored;
+        out += self.matte.albedo(wo, view.entering) * scattered;
+        if let Some(c) = coat {
+            out += Spectrum::splat(c.split(wo).1);
         }
-        out
+        if let Some(s) = sheen {
+            out += s.albedo(wo) * view.layers[0] * scattered;
+        }
+        out * view.over + fuzz.map_or(Spectrum::ZERO, |f| f.albedo(wo))
     }
 
     fn deltas(&self, wo: Vec3A) -> [Option<DeltaPart>; 2] {

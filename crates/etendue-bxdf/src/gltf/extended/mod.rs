@@ -7,6 +7,7 @@ use super::{
     body::{Base, Body},
     coat::Coat,
     facet::Facet,
+    fibres::Fibres,
     matte::Matte,
     params::GltfParams,
     shape::Shape,
@@ -26,11 +27,12 @@ use glam::{Vec3A, vec3a};
 /// A surface with extensions, at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Extended {
+    fuzz: Option<Fibres>,
     coat: Option<Coat>,
     sheen: Option<Sheen>,
     /// The sheen's largest lane.
     sheen_max: f32,
-    /// Whether coat and sheen lie on the side of `wo`, and on the other.
+    /// Whether the layers lie on the side of `wo`, and on the other.
     layers: [bool; 2],
     base: Base,
     /// The roughness of what passes a thin sheet, if it is another than that of what is reflected.
@@ -48,7 +50,7 @@ pub(super) struct Extended {
 
 /// 0..1, NaN to 0.
 #[inline(always)]
-fn unit(x: f32) -> f32 {
+pub(super) fn unit(x: f32) -> f32 {
     x.max(0.0).min(1.0)
 }
 
@@ -128,13 +130,12 @@ impl Extended {
         let further =
             Further::worthwhile(shape.ggx.alpha(), facet.average(), facet.reflect(1.0), p.compensation);
 
-        let coverage = unit(p.clearcoat);
-        let mut coat =
-            (coverage > 0.0).then(|| Coat::new(coverage, unit(p.clearcoat_roughness), p.clearcoat_normal));
+        let mut coat = Coat::new(p);
         let sheen_color = p.sheen_color.map(unit);
         let sheen_max = sheen_color.max_element();
         let (f0, f90) = facet.ends();
         let mut out = Self {
+            fuzz: Fibres::new(p),
             coat: None,
             sheen: (sheen_max > 0.0).then(|| Sheen::new(sheen_color, p.sheen_roughness)),
             sheen_max,
@@ -207,8 +208,8 @@ impl Extended {
             [0.830_604_7, 0.180_380_79],
             [0.966_234_8, 0.085_662_25],
         ];
-        // A tilted coat has no symmetry; an anisotropic base repeats each quarter.
-        let tilted = self.layers[side] && self.coat.as_ref().is_some_and(Coat::has_own_normal);
+        // A tilted or turned coat has no symmetry; an anisotropic base repeats each quarter.
+        let tilted = self.layers[side] && self.coat.as_ref().is_some_and(Coat::has_azimuths);
         let (count, range) = match (tilted, self.base.shape.is_isotropic()) {
             (true, _) => (8, TAU),
             (false, false) => (3, FRAC_PI_2),

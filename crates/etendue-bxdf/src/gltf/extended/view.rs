@@ -3,7 +3,7 @@
 use super::{Extended, sum, up};
 use crate::{
     bsdf::{Bsdf, DeltaPart, Eval},
-    gltf::lobes::{COAT, DIFFUSE, LOBES, SHEEN, SPECULAR, THROUGH, probabilities},
+    gltf::lobes::{COAT, DIFFUSE, FUZZ, LOBES, SHEEN, SPECULAR, THROUGH, probabilities},
 };
 use etendue_color::Spectrum;
 use glam::Vec3A;
@@ -15,6 +15,8 @@ pub(super) struct View {
     pub layers: [f32; 2],
     /// What reaches the diffuse part.
     pub entering: f32,
+    /// What the fuzz leaves to all the others.
+    pub over: f32,
     /// Probability of each lobe.
     pub p: [f32; LOBES],
 }
@@ -42,7 +44,22 @@ impl Extended {
         weights[SPECULAR] = (sum(reflected) + sum(passed)) * layers[1];
         weights[DIFFUSE] = self.sum_diffuse[0] * entering;
         weights[THROUGH] = self.sum_diffuse[1] * entering;
-        View { layers, entering, p: probabilities(weights) }
+        let mut over = 1.0;
+        if self.layers[0] {
+            if let Some(c) = &self.coat {
+                let [mirrored, scattered] = c.varnished_over(wo).map(Spectrum::max_element);
+                weights[SPECULAR] *= mirrored;
+                for lobe in [SHEEN, DIFFUSE, THROUGH] {
+                    weights[lobe] *= scattered;
+                }
+            }
+            if let Some(f) = &self.fuzz {
+                over = f.through(wo);
+                weights = weights.map(|w| w * over);
+                weights[FUZZ] = sum(f.albedo(wo));
+            }
+        }
+        View { layers, entering, over, p: probabilities(weights) }
     }
 
     /// The factor of the base's specular part at a pair: of the layers' two transmittances the smaller, which keeps it
@@ -70,6 +87,17 @@ impl Extended {
         }
     }
 
+    /// The factor of what lies below the coat by what that absorbs and darkens, for light that leaves on a side.
+    #[inline(always)]
+    fn varnished(&self, side: usize, wo: Vec3A, wi: Vec3A) -> Spectrum {
+        match (&self.coat, self.layers) {
+            (None, _) | (_, [false, false]) => Spectrum::ONE,
+            (Some(c), [true, _]) => c.varnished(wo, self.layers[side].then(|| up(wi))),
+            (Some(_), [false, true]) if side == 0 => Spectrum::ONE,
+            (Some(c), [false, true]) => c.left(up(wi)),
+        }
+    }
+
     /// Value by lobe and density at a pair; |wi.z| and wo.z above [`MIN_COS`].
     #[inline(always)]
     pub(super) fn eval_at(&self, view: &View, wo: Vec3A, wi: Vec3A) -> Eval {
@@ -90,10 +118,11 @@ impl Extended {
             out.diffuse += self.matte.value(side, wo, above) * coupled;
             out.pdf += view.p[lobe] * self.matte.pdf(wo, above);
         }
+        let mut lacquer = 0.0;
         if reflects && self.layers[0] {
             if let Some(c) = &self.coat {
                 let (value, pdf) = c.eval_pdf(wo, wi);
-                out.specular += Spectrum::splat(value);
+                lacquer = value;
                 out.pdf += view.p[COAT] * pdf;
             }
             if let Some(s) = &self.sheen {
@@ -103,6 +132,14 @@ impl Extended {
                 out.pdf += view.p[SHEEN] * e.pdf;
             }
         }
+        let varnish = self.varnished(side, wo, wi);
+        out.diffuse = out.diffuse * varnish * view.over;
+        out.specular = (out.specular * varnish + Spectrum::splat(lacquer)) * view.over;
+        if let (true, true, Some(f)) = (reflects, self.layers[0], &self.fuzz) {
+            let e = f.eval_pdf(wo, wi);
+            out.diffuse += e.diffuse;
+            out.pdf += view.p[FUZZ] * e.pdf;
+        }
         let fine = out.pdf < f32::INFINITY && out.specular.is_finite() && out.diffuse.is_finite();
         if fine { out } else { Eval::ZERO }
     }
@@ -110,7 +147,10 @@ impl Extended {
     /// The perfectly specular parts: coat and base share the mirror's direction.
     pub(super) fn delta_parts(&self, view: &View, wo: Vec3A) -> [Option<DeltaPart>; 2] {
         let scaled = |d: DeltaPart| DeltaPart {
-            reflectance: d.reflectance * self.specular_factor(view, wo, d.wi),
+            reflectance: d.reflectance
+                * self.specular_factor(view, wo, d.wi)
+                * self.varnished(usize::from(!(d.wi.z > 0.0)), wo, d.wi)
+                * view.over,
             probability: d.probability * view.p[SPECULAR],
             ..d
         };
@@ -120,7 +160,7 @@ impl Extended {
         {
             let base = reflected.unwrap_or(DeltaPart { wi, reflectance: Spectrum::ZERO, probability: 0.0 });
             reflected = Some(DeltaPart {
-                reflectance: base.reflectance + Spectrum::splat(f),
+                reflectance: base.reflectance + Spectrum::splat(f * view.over),
                 // Shares that add up to one may miss it by a rounding.
                 probability: (base.probability + view.p[COAT]).min(1.0),
                 ..base
@@ -132,7 +172,8 @@ impl Extended {
     /// True if nothing but the base's specular part is there.
     #[inline(always)]
     pub(super) fn is_bare(&self) -> bool {
-        self.coat.is_none()
+        self.fuzz.is_none()
+            && self.coat.is_none()
             && self.sheen.is_none()
             && self.through_shape.is_none()
             && self.sum_diffuse == [0.0; 2]

@@ -13,12 +13,12 @@ use self::{
 };
 use super::{
     OpenPbrParams,
-    coat::{Coat, Under},
+    coat::Coat,
     facet::{Boundary, Facets, Mix},
     index::{self, anisotropic_alpha, unit},
     lobe::Lobe,
 };
-use crate::{bsdf::MIN_COS, fresnel::f0_from_ior, model::Incidence, sheen::Fuzz};
+use crate::{bsdf::MIN_COS, fresnel::f0_from_ior, model::Incidence, sheen::Fuzz, varnish::Under};
 use etendue_color::Spectrum;
 use glam::Vec3A;
 
@@ -76,15 +76,8 @@ fn under_coat(p: &OpenPbrParams, facets: &Facets, mix: Mix) -> Under {
     let diffuse =
         (p.base_color.map(unit) * unit(p.base_weight)).lerp(p.subsurface_color.map(unit), subsurface);
     let substrate = diffuse.lerp(passage(p), unit(p.transmission_weight));
-    let dielectric = p.specular_color.map(unit) * f0 + substrate * (1.0 - f0);
     let metal = facets.metal_f0() * unit(p.specular_weight);
-    let r = unit(p.specular_roughness);
-    // OpenPBR 1.1, equations "dielectric_roughness_estimate" and "base_roughness_estimate".
-    let dielectric_roughness = 1.0 + (r - 1.0) * f0;
-    Under {
-        albedo: dielectric.lerp(metal, mix.metal),
-        roughness: dielectric_roughness + (r - dielectric_roughness) * mix.metal,
-    }
+    Under::new(f0, p.specular_color.map(unit), substrate, metal, mix.metal, unit(p.specular_roughness))
 }
 
 /// The colour of passing the surface of the translucent base, or the sheet that it is.
