@@ -61,7 +61,7 @@ fn a_good_file_is_not_blamed() {
 #[test]
 fn each_breach_is_found_in_its_place() {
     type Change = fn(&mut Value);
-    let cases: [(Change, &str, &str); 22] = [
+    let cases: [(Change, &str, &str); 23] = [
         (|d| d["animations"] = json!([]), "/animations", "empty list"),
         (|d| d["accessors"][0]["max"] = json!([1, 0.5, 0]), "/accessors/0/max", "is not the max"),
         (|d| d["accessors"][0]["min"] = json!([1, 0]), "/accessors/0/min", "2 numbers for elements of 3"),
@@ -107,6 +107,15 @@ fn each_breach_is_found_in_its_place() {
             |d| d["materials"][0]["extensions"] = json!({ "KHR_materials_ior": { "ior": 1.4 } }),
             "/materials/0/extensions/KHR_materials_ior",
             "not named in `extensionsUsed`",
+        ),
+        (
+            |d| {
+                d["extensionsUsed"] = json!(["KHR_materials_anisotropy"]);
+                d["materials"][0]["extensions"] =
+                    json!({ "KHR_materials_anisotropy": { "anisotropyStrength": 0.5 } });
+            },
+            "/meshes/0/primitives/0/material",
+            "needs tangents",
         ),
         (
             |d| {

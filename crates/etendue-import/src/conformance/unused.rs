@@ -65,6 +65,18 @@ impl Case<'_> {
             for (k, p) in m.primitives.iter().enumerate() {
                 let at = || format!("/meshes/{i}/primitives/{k}");
                 self.directions(p, &at());
+                let material = p.material.and_then(|m| doc.materials.get(m as usize));
+                let bends =
+                    material.filter(|m| m.normal_texture.is_none()).and_then(|m| m.surface.as_deref());
+                let needs = bends.is_some_and(|s| {
+                    s.anisotropy.is_some() || s.clearcoat.as_ref().is_some_and(|c| c.normal_texture.is_some())
+                });
+                if needs && p.attribute("TANGENT").is_none() {
+                    self.out.add(
+                        format!("{}/material", at()),
+                        "needs tangents, but the mesh has none, nor the material a normal texture to make them for",
+                    );
+                }
                 let Some(position) = p.attribute("POSITION") else { continue };
                 let bounds = json.get(position as usize);
                 if bounds.is_some_and(|a| a.get("min").is_none() || a.get("max").is_none()) {
