@@ -262,6 +262,31 @@ impl Elements<'_> {
         })
     }
 
+    /// The elements as they are stored, `stride` bytes apart, which is at least their size. With `pick`, only those elements.
+    pub fn raw(&self, pick: Option<&[u32]>, stride: usize) -> Vec<u8> {
+        let size = self.accessor.shape.size(self.accessor.component) as usize;
+        let count = pick.map_or(self.len(), <[u32]>::len);
+        let mut out = vec![0; count * stride];
+        for (k, slot) in out.chunks_exact_mut(stride.max(1)).enumerate() {
+            let i = pick.map_or(k, |p| p[k] as usize);
+            if let Some((bytes, apart)) = self.base {
+                slot[..size].copy_from_slice(&bytes[i * apart..i * apart + size]);
+            }
+            if let (Some(o), Some(_)) = (&self.overlay, pick)
+                && let Some(n) = o.find(i as u32)
+            {
+                slot[..size].copy_from_slice(&o.values[n * size..(n + 1) * size]);
+            }
+        }
+        if let (Some(o), None) = (&self.overlay, pick) {
+            for n in 0..o.len() {
+                let at = o.index(n) as usize * stride;
+                out[at..at + size].copy_from_slice(&o.values[n * size..(n + 1) * size]);
+            }
+        }
+        out
+    }
+
     fn gather<C, T, const S: usize, const N: usize>(
         &self,
         pick: Option<&[u32]>,

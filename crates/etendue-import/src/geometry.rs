@@ -121,6 +121,15 @@ impl Job {
         })
     }
 
+    /// The triangles of the primitive, over its vertices as the file numbers them.
+    pub fn triangles(
+        &self,
+        accessors: Accessors<'_>,
+        warnings: &mut Warnings,
+    ) -> Result<Vec<[u32; 3]>, Fault> {
+        topology::triangles(self, &self.positions(accessors)?, self.indices(accessors)?, warnings)
+    }
+
     /// Decodes, deforms and cleans the mesh. `joints` are the matrices of the key's skin.
     pub fn build(
         &self,
@@ -129,7 +138,7 @@ impl Job {
         warnings: &mut Warnings,
     ) -> Result<Mesh, Fault> {
         let positions = self.positions(accessors)?;
-        let mut triangles = topology::triangles(self, &positions, self.indices(accessors)?, warnings)?;
+        let mut triangles = self.triangles(accessors, warnings)?;
         let pick = topology::compact(&mut triangles, positions.len());
         let pick = pick.as_deref();
         let vertices = Vertices { job: self, accessors, count: positions.len(), pick };

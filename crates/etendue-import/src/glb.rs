@@ -80,6 +80,38 @@ fn at(offset: usize, message: impl Into<String>) -> Fault {
     Fault::Container { offset: offset as u64, message: message.into() }
 }
 
+/// Puts a GLB together: JSON, and a chunk of `length` bytes in `pieces` that each begin at a multiple of four, if there is
+/// to be one.
+///
+/// # Errors
+/// The size, if it is beyond what the container can say.
+pub(crate) fn join<'p>(
+    text: &[u8],
+    pieces: impl Iterator<Item = &'p [u8]>,
+    length: Option<u64>,
+) -> Result<Vec<u8>, u64> {
+    let four = |n: u64| n.next_multiple_of(4);
+    let binary = length.map_or(0, |n| 8 + four(n));
+    let total = 12 + 8 + four(text.len() as u64) + binary;
+    let size = u32::try_from(total).map_err(|_| total)?;
+    let mut out = Vec::with_capacity(total as usize);
+    let word = |out: &mut Vec<u8>, w: u32| out.extend_from_slice(&w.to_le_bytes());
+    for w in [u32::from_le_bytes(*b"glTF"), 2, size, four(text.len() as u64) as u32, JSON] {
+        word(&mut out, w);
+    }
+    out.extend_from_slice(text);
+    out.resize(out.len().next_multiple_of(4), b' ');
+    if let Some(n) = length {
+        word(&mut out, four(n) as u32);
+        word(&mut out, BIN);
+        pieces.for_each(|p| {
+            out.extend_from_slice(p);
+            out.resize(out.len().next_multiple_of(4), 0);
+        });
+    }
+    Ok(out)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

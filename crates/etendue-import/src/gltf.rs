@@ -55,24 +55,24 @@ impl Text {
 /// A glTF file that can be shown at any moment.
 pub(crate) struct Gltf<'f> {
     name: &'f str,
-    folder: Option<&'f Path>,
+    pub folder: Option<&'f Path>,
     text: &'f Text,
-    doc: Document<'f>,
+    pub doc: Document<'f>,
     is_glb: bool,
-    bytes: u64,
+    pub bytes: u64,
     hierarchy: Hierarchy,
     /// Nodes of the scene.
     shown: Vec<u32>,
-    buffers: Buffers<'f>,
-    budget: Budget,
+    pub buffers: Buffers<'f>,
+    pub budget: Budget,
     /// Those of all moments.
     warnings: Warnings,
     animation: AnimationChoice,
-    occlusion: bool,
+    pub occlusion: bool,
     keep_files: bool,
     /// What is against the specification, if that was asked for.
     breaches: Vec<Warning>,
-    limits: Limits,
+    pub limits: Limits,
     progress: Option<Arc<ImportProgress>>,
     /// Profiles of lamps.
     lamps: ies::Loaded,
@@ -165,7 +165,12 @@ impl<'f> Gltf<'f> {
         self.meshes = Some(Mutex::default());
     }
 
-    fn accessors(&self) -> Accessors<'_> {
+    /// Gives the decoded pictures up.
+    pub fn forget_images(&self) {
+        self.images.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    }
+
+    pub fn accessors(&self) -> Accessors<'_> {
         Accessors { doc: &self.doc, buffers: &self.buffers }
     }
 

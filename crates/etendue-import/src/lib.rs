@@ -24,8 +24,9 @@
 //!    cores.
 //!
 //! `door` chooses the reader: `obj` (with its materials), `ply` and `stl` stand beside glTF. Their meshes and materials are put
-//! together by `assemble`; `polygon` cuts faces into triangles. `conformance` looks for what is against the specification though no picture depends on it. `ies` reads how lamps shine, `sky` the surroundings that a glTF
-//! file brings along. [`mod@write`] makes glTF of a scene.
+//! together by `assemble`; `polygon` cuts faces into triangles. `conformance` looks for what is against the specification though no
+//! picture depends on it. `ies` reads how lamps shine, `sky` the surroundings that a glTF file brings along. [`mod@write`] makes glTF
+//! of a scene; `rewrite` makes one file of a glTF file with everything that is in it, also what no scene has.
 //!
 //! # What never happens
 //!
@@ -67,6 +68,7 @@ mod ply;
 mod pointer;
 mod polygon;
 mod progress;
+mod rewrite;
 pub mod scene_file;
 mod sizes;
 mod skin;
@@ -96,6 +98,7 @@ pub use info::{
 pub use limits::Limits;
 pub use model::{Model, ModelFile};
 pub use progress::ImportProgress;
+pub use rewrite::{Changes, RewriteError, Rewritten};
 pub use sizes::Sizes;
 pub use warning::Warning;
 pub use write::{ExportError, ExportOptions, Exported, Form, export};

@@ -4,6 +4,8 @@ use crate::door::{self, Kind};
 use crate::error::{Fault, ImportError};
 use crate::gltf::{Gltf, Text};
 use crate::import::{ImportOptions, Imported, read_model};
+use crate::rewrite::{self, RewriteError, Rewritten, Stopped};
+use crate::write::Form;
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -61,19 +63,50 @@ impl<'b> ModelFile<'b> {
         self.look().map_err(|e| e.in_file(&self.name))
     }
 
+    /// The file as one glTF file with everything that it holds; `None` if it is no glTF.
+    ///
+    /// ```no_run
+    /// use etendue_import::{Form, ImportOptions, ModelFile};
+    /// let file = ModelFile::read("walk.gltf".as_ref(), &ImportOptions::default())?;
+    /// if let Some(again) = file.rewrite(Form::Binary)? {
+    ///     std::fs::write("walk.glb", again.bytes)?;
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Whatever an import of the model at rest ends with; data that are not there; and a result that is too large.
+    pub fn rewrite(&self, form: Form) -> Result<Option<Rewritten>, RewriteError> {
+        let again = || {
+            if door::kind(&self.bytes, &self.name)? != Kind::Gltf {
+                return Ok(None);
+            }
+            rewrite::rewrite(&self.gltf()?, &self.bytes, form).map(Some)
+        };
+        again().map_err(|e| match e {
+            Stopped::Fault(f) => f.in_file(&self.name).into(),
+            Stopped::TooLarge(n) => RewriteError::TooLarge(n),
+        })
+    }
+
+    /// The document, read and decompressed.
+    fn gltf(&self) -> Result<Gltf<'_>, Fault> {
+        let text = match self.text.get() {
+            Some(t) => t,
+            None => {
+                let read = Text::read(&self.bytes, &self.options)?;
+                self.text.get_or_init(|| read)
+            }
+        };
+        Gltf::open(text, &self.bytes, &self.name, self.folder.as_deref(), &self.options)
+    }
+
     fn look(&self) -> Result<Model<'_>, Fault> {
         let options = &self.options;
         let folder = self.folder.as_deref();
         let content = match door::kind(&self.bytes, &self.name)? {
             Kind::Gltf => {
-                let text = match self.text.get() {
-                    Some(t) => t,
-                    None => {
-                        let read = Text::read(&self.bytes, options)?;
-                        self.text.get_or_init(|| read)
-                    }
-                };
-                let mut gltf = Gltf::open(text, &self.bytes, &self.name, folder, options)?;
+                let mut gltf = self.gltf()?;
                 gltf.keep_meshes();
                 Content::Moving(Box::new(gltf))
             }

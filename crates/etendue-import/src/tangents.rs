@@ -16,12 +16,17 @@ pub(crate) fn generate(mesh: &mut Mesh, set: usize, transform: &Affine2) {
     if mesh.normals.is_empty() {
         flatten(mesh);
     }
+    let tangents = of_corners(mesh, set, transform);
+    split(mesh, &tangents);
+}
+
+/// The tangents of all corners of a mesh with normals along UV set `set` as transformed by `transform`.
+pub(crate) fn of_corners(mesh: &Mesh, set: usize, transform: &Affine2) -> Vec<Vec4> {
     let faces = tame(mesh);
     let mut corners = Corners { mesh, set, transform, faces, tangents: vec![None; 3 * mesh.indices.len()] };
     // The error type has no values.
     let _: Result<(), _> = generate_tangents(&mut corners);
-    let tangents = corners.fill_up();
-    split(mesh, &tangents);
+    corners.fill_up()
 }
 
 /// The triangles that MikkTSpace handles well: with three distinct points (its search for neighbours of the others takes
@@ -68,29 +73,55 @@ fn flatten(m: &mut Mesh) {
     m.indices = (0..m.indices.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
 }
 
-/// Gives each vertex its corners' tangent; corners that disagree get a copy of the vertex.
+/// Gives vertices their corners' tangents; corners that disagree get a copy of the vertex.
+pub(crate) struct Splitter {
+    /// Of the vertices and of the copies after them. A vertex without a tangent yet holds NaN, which equals nothing.
+    pub tangents: Vec<Vec4>,
+    /// The vertices that the copies are of.
+    pub copied: Vec<u32>,
+    copies: HashMap<(u32, [u32; 4]), u32>,
+}
+
+impl Splitter {
+    /// For so many vertices.
+    pub fn new(vertices: usize) -> Self {
+        Self { tangents: vec![Vec4::NAN; vertices], copied: Vec::new(), copies: HashMap::new() }
+    }
+
+    /// The vertex, `vertex` or a copy of it, that a corner with `tangent` has.
+    pub fn corner(&mut self, vertex: u32, tangent: Vec4) -> u32 {
+        let known = &mut self.tangents[vertex as usize];
+        if known.is_nan() {
+            *known = tangent;
+            return vertex;
+        }
+        if *known == tangent {
+            return vertex;
+        }
+        *self.copies.entry((vertex, tangent.to_array().map(f32::to_bits))).or_insert_with(|| {
+            self.tangents.push(tangent);
+            self.copied.push(vertex);
+            (self.tangents.len() - 1) as u32
+        })
+    }
+}
+
+/// Gives each vertex its corners' tangent.
 fn split(m: &mut Mesh, tangents: &[Vec4]) {
-    // A vertex without a tangent yet holds NaN, which equals nothing.
-    m.tangents = vec![Vec4::NAN; m.positions.len()];
-    let mut copies: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
-    for (corner, &tangent) in tangents.iter().enumerate() {
-        let i = &mut m.indices.as_flattened_mut()[corner];
-        let v = *i as usize;
-        if m.tangents[v].is_nan() {
-            m.tangents[v] = tangent;
-        } else if m.tangents[v] != tangent {
-            *i = *copies.entry((*i, tangent.to_array().map(f32::to_bits))).or_insert_with(|| {
-                m.positions.push(m.positions[v]);
-                m.normals.push(m.normals[v]);
-                m.tangents.push(tangent);
-                m.uvs.iter_mut().for_each(|uv| uv.push(uv[v]));
-                if !m.colors.is_empty() {
-                    m.colors.push(m.colors[v]);
-                }
-                (m.positions.len() - 1) as u32
-            });
+    let mut splitter = Splitter::new(m.positions.len());
+    for (i, &tangent) in m.indices.as_flattened_mut().iter_mut().zip(tangents) {
+        *i = splitter.corner(*i, tangent);
+    }
+    for &v in &splitter.copied {
+        let v = v as usize;
+        m.positions.push(m.positions[v]);
+        m.normals.push(m.normals[v]);
+        m.uvs.iter_mut().for_each(|uv| uv.push(uv[v]));
+        if !m.colors.is_empty() {
+            m.colors.push(m.colors[v]);
         }
     }
+    m.tangents = splitter.tangents;
     // Vertices that no triangle uses.
     for (t, n) in m.tangents.iter_mut().zip(&m.normals).filter(|(t, _)| t.is_nan()) {
         *t = n.any_orthonormal_vector().extend(1.0);

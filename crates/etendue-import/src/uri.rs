@@ -29,6 +29,13 @@ pub(crate) fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
     })
 }
 
+/// A `data:` URI of bytes of no particular kind.
+pub(crate) fn of(bytes: &[u8]) -> String {
+    let mut out = String::from("data:application/octet-stream;base64,");
+    base64::engine::general_purpose::STANDARD.encode_string(bytes, &mut out);
+    out
+}
+
 /// The address in messages: long ones (data URIs) cut short.
 pub(crate) fn shorten(uri: &str) -> String {
     if uri.chars().nth(120).is_some() {

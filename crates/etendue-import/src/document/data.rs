@@ -121,6 +121,34 @@ impl Component {
         }
     }
 
+    /// Its number in the file.
+    pub fn code(self) -> u64 {
+        match self {
+            Self::I8 => 5120,
+            Self::U8 => 5121,
+            Self::I16 => 5122,
+            Self::U16 => 5123,
+            Self::U32 => 5125,
+            Self::F32 => 5126,
+        }
+    }
+
+    /// The number that as many `bytes` as it has say, not normalised.
+    pub fn value(self, bytes: &[u8]) -> f64 {
+        let mut four = [0; 4];
+        let n = bytes.len().min(4);
+        four[..n].copy_from_slice(&bytes[..n]);
+        let bits = u32::from_le_bytes(four);
+        match self {
+            Self::I8 => f64::from(bits as i8),
+            Self::U8 => f64::from(bits as u8),
+            Self::I16 => f64::from(bits as i16),
+            Self::U16 => f64::from(bits as u16),
+            Self::U32 => f64::from(bits),
+            Self::F32 => f64::from(f32::from_bits(bits)),
+        }
+    }
+
     /// The type, or `None` and a warning for one that is not known: something that nobody uses may have it.
     fn read<'v>(r: &mut Reader<'v>, v: &'v Value) -> Result<Option<Self>, Fault> {
         Ok(Some(match r.count(v)? {

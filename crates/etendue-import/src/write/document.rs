@@ -1,7 +1,8 @@
 //! A glTF document under construction, and its bytes.
 
 use super::ExportError;
-use base64::Engine as _;
+use crate::glb;
+use crate::uri;
 use etendue_scene::{Filter, Mesh, Sampler, Wrap};
 use glam::Vec3;
 use serde_json::{Map, Value, json};
@@ -309,23 +310,9 @@ impl Document {
     /// [`ExportError::TooLarge`].
     pub fn glb(mut self) -> Result<Vec<u8>, ExportError> {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        let mut text = self.json(None);
-        text.resize(text.len().next_multiple_of(4), b' ');
-        let binary = if self.bytes.is_empty() { 0 } else { 8 + self.bytes.len() };
-        let total = 12 + 8 + text.len() + binary;
-        let size = u32::try_from(total).map_err(|_| ExportError::TooLarge(total as u64))?;
-        let mut out = Vec::with_capacity(total);
-        for word in [u32::from_le_bytes(*b"glTF"), 2, size, text.len() as u32, u32::from_le_bytes(*b"JSON")] {
-            out.extend_from_slice(&word.to_le_bytes());
-        }
-        out.extend_from_slice(&text);
-        if !self.bytes.is_empty() {
-            for word in [self.bytes.len() as u32, u32::from_le_bytes(*b"BIN\0")] {
-                out.extend_from_slice(&word.to_le_bytes());
-            }
-            out.extend_from_slice(&self.bytes);
-        }
-        Ok(out)
+        let text = self.json(None);
+        let length = Some(self.bytes.len() as u64).filter(|n| *n > 0);
+        glb::join(&text, std::iter::once(&self.bytes[..]), length).map_err(ExportError::TooLarge)
     }
 
     /// The document as JSON that holds its bytes.
@@ -336,7 +323,7 @@ impl Document {
         if u32::try_from(self.bytes.len()).is_err() {
             return Err(ExportError::TooLarge(self.bytes.len() as u64));
         }
-        let code = base64::engine::general_purpose::STANDARD.encode(&self.bytes);
-        Ok(self.json(Some(format!("data:application/octet-stream;base64,{code}"))))
+        let uri = uri::of(&self.bytes);
+        Ok(self.json(Some(uri)))
     }
 }

@@ -4,7 +4,8 @@
 //! knows the format; others become PNG, which loses nothing. Meshes have the tangents that the import gave them. The scene's
 //! instances become nodes under their names; many of one mesh in a row become one node with `EXT_mesh_gpu_instancing`.
 //!
-//! A scene is one moment, so there are no animations, skins or morph targets in what is written, and no hierarchy.
+//! A scene is one moment, so there are no animations, skins or morph targets in what is written, and no hierarchy. Whoever has a
+//! glTF file and wants a glTF file keeps them with [`crate::ModelFile::rewrite`].
 
 mod document;
 mod material;

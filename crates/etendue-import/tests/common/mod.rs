@@ -1,6 +1,7 @@
 //! Makes small glTF files in memory.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+pub mod scenes;
 pub mod surfaces;
 
 use etendue_import::{ImportError, ImportOptions, Imported, import_bytes};

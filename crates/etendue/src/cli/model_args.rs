@@ -38,7 +38,7 @@ pub(crate) struct ConvertArgs {
     /// Where it goes: .glb, or .gltf for JSON that holds everything
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// The model at this time of its animation instead of at rest; animation itself is not written
+    /// The model as it is at this time of its animation, and nothing else of it: no animation, no skins, no hierarchy
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = finite)]
     pub at: Option<f32>,
     #[command(flatten)]
