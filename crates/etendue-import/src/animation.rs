@@ -138,6 +138,10 @@ impl Pose {
             Property::Value(owner, path, count) => {
                 track.check(output.len(), 1, || place.to_owned())?;
                 let value = match count {
+                    // A quaternion, as a node's rotation is.
+                    4 if matches!(owner, Owner::Sky(_)) => {
+                        track.rotation(|k| output.floats(Some(&[k as u32]))[0]).to_array().to_vec()
+                    }
                     1 => track.sample::<1>(|k| output.floats(Some(&[k as u32]))[0]).to_vec(),
                     2 => track.sample::<2>(|k| output.floats(Some(&[k as u32]))[0]).to_vec(),
                     3 => track.sample::<3>(|k| output.floats(Some(&[k as u32]))[0]).to_vec(),
@@ -213,6 +217,7 @@ fn property<'v>(
         Property::Value(Owner::Material(i), ..) => (i as usize) < doc.materials.len(),
         Property::Value(Owner::Camera(i), ..) => (i as usize) < doc.cameras.len(),
         Property::Value(Owner::Light(i), ..) => (i as usize) < doc.lights.len(),
+        Property::Value(Owner::Sky(i), ..) => (i as usize) < doc.image_lights.len(),
     };
     if !there {
         let what = format!("animates `{}`, which is not in the file; ignored", shorten(pointer));

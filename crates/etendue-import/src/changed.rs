@@ -1,6 +1,6 @@
-//! Materials, cameras and lights whose values an animation changes: their JSON with the new values in it, read again.
+//! Materials, cameras, lights and skies whose values an animation changes: their JSON with the new values in it, read again.
 
-use crate::document::{Camera, Light, Material};
+use crate::document::{Camera, ImageLight, Light, Material};
 use crate::error::Fault;
 use crate::json::Reader;
 use crate::pointer::{Owner, set};
@@ -44,6 +44,7 @@ pub(crate) struct Changed<'v> {
     pub materials: HashMap<u32, Material<'v>>,
     pub cameras: HashMap<u32, Camera<'v>>,
     pub lights: HashMap<u32, Light<'v>>,
+    pub skies: HashMap<u32, ImageLight>,
 }
 
 impl<'v> Changed<'v> {
@@ -57,6 +58,7 @@ impl<'v> Changed<'v> {
                 Owner::Material(i) => drop(out.materials.insert(i, Material::read(&mut r, v)?)),
                 Owner::Camera(i) => drop(out.cameras.insert(i, Camera::read(&mut r, v)?)),
                 Owner::Light(i) => drop(out.lights.insert(i, Light::read(&mut r, v)?)),
+                Owner::Sky(i) => drop(out.skies.insert(i, ImageLight::read(&mut r, v)?)),
             }
         }
         Ok(out)

@@ -76,7 +76,7 @@ pub(crate) struct Gltf<'f> {
     progress: Option<Arc<ImportProgress>>,
     /// Profiles of lamps.
     lamps: ies::Loaded,
-    sky: Option<Environment>,
+    sky: Option<sky::Sky>,
     /// By number in the file.
     images: Mutex<HashMap<u32, Decoded>>,
     /// Meshes of the last moment, if they are kept.
@@ -235,6 +235,11 @@ impl<'f> Gltf<'f> {
         let images = images?;
         cameras.sort_by_key(|&(number, _)| number);
 
+        let shown = |s: &sky::Sky| {
+            let changed = changed.skies.get(&s.number);
+            changed.or(doc.image_lights.get(s.number as usize)).map(|light| s.at(light))
+        };
+        let environment: Environment = self.sky.as_ref().and_then(shown).unwrap_or_default();
         let mut scene = Scene {
             meshes: built,
             instances,
@@ -243,7 +248,7 @@ impl<'f> Gltf<'f> {
             images: images.iter().map(|d| d.image.clone()).collect(),
             lights,
             profiles: self.lamps.profiles.clone(),
-            environment: self.sky.clone().unwrap_or_default(),
+            environment,
             cameras: cameras.into_iter().map(|(_, c)| c).collect(),
             variants,
         };

@@ -4,6 +4,7 @@ use crate::door::{self, Kind};
 use crate::error::{Fault, ImportError};
 use crate::gltf::{Gltf, Text};
 use crate::import::{ImportOptions, Imported, read_model};
+use crate::limits::Limits;
 use crate::rewrite::{self, RewriteError, Rewritten, Stopped};
 use crate::write::Form;
 use std::borrow::Cow;
@@ -60,7 +61,13 @@ impl<'b> ModelFile<'b> {
     /// # Errors
     /// See [`ImportError`].
     pub fn open(&self) -> Result<Model<'_>, ImportError> {
-        self.look().map_err(|e| e.in_file(&self.name))
+        self.look(&self.options).map_err(|e| e.in_file(&self.name))
+    }
+
+    /// As [`Self::open`], within other limits.
+    pub(crate) fn open_within(&self, limits: &Limits) -> Result<Model<'_>, ImportError> {
+        let options = ImportOptions { limits: limits.clone(), ..self.options.clone() };
+        self.look(&options).map_err(|e| e.in_file(&self.name))
     }
 
     /// The file as one glTF file with everything that it holds; `None` if it is no glTF.
@@ -81,7 +88,7 @@ impl<'b> ModelFile<'b> {
             if door::kind(&self.bytes, &self.name)? != Kind::Gltf {
                 return Ok(None);
             }
-            rewrite::rewrite(&self.gltf()?, &self.bytes, form).map(Some)
+            rewrite::rewrite(&self.gltf(&self.options)?, &self.bytes, form).map(Some)
         };
         again().map_err(|e| match e {
             Stopped::Fault(f) => f.in_file(&self.name).into(),
@@ -90,23 +97,22 @@ impl<'b> ModelFile<'b> {
     }
 
     /// The document, read and decompressed.
-    fn gltf(&self) -> Result<Gltf<'_>, Fault> {
+    fn gltf(&self, options: &ImportOptions) -> Result<Gltf<'_>, Fault> {
         let text = match self.text.get() {
             Some(t) => t,
             None => {
-                let read = Text::read(&self.bytes, &self.options)?;
+                let read = Text::read(&self.bytes, options)?;
                 self.text.get_or_init(|| read)
             }
         };
-        Gltf::open(text, &self.bytes, &self.name, self.folder.as_deref(), &self.options)
+        Gltf::open(text, &self.bytes, &self.name, self.folder.as_deref(), options)
     }
 
-    fn look(&self) -> Result<Model<'_>, Fault> {
-        let options = &self.options;
+    fn look(&self, options: &ImportOptions) -> Result<Model<'_>, Fault> {
         let folder = self.folder.as_deref();
         let content = match door::kind(&self.bytes, &self.name)? {
             Kind::Gltf => {
-                let mut gltf = self.gltf()?;
+                let mut gltf = self.gltf(options)?;
                 gltf.keep_meshes();
                 Content::Moving(Box::new(gltf))
             }

@@ -11,6 +11,8 @@ pub(crate) enum Owner {
     Material(u32),
     Camera(u32),
     Light(u32),
+    /// Surroundings (`EXT_lights_image_based`).
+    Sky(u32),
 }
 
 impl Owner {
@@ -20,6 +22,7 @@ impl Owner {
             Self::Material(i) => format!("/materials/{i}"),
             Self::Camera(i) => format!("/cameras/{i}"),
             Self::Light(i) => format!("/extensions/{}/lights/{i}", ext::LIGHTS_PUNCTUAL),
+            Self::Sky(i) => format!("/extensions/{}/lights/{i}", ext::LIGHTS_IMAGE_BASED),
         }
     }
 }
@@ -112,6 +115,8 @@ const LIGHT: &[Known] = &[
     ("spot", "outerConeAngle", 1),
 ];
 
+const SKY: &[Known] = &[("", "rotation", 4), ("", "intensity", 1)];
+
 /// The property at `pointer`; `None` if it is none that is known. Whether what it belongs to exists is not looked at.
 pub(crate) fn resolve(pointer: &str) -> Option<Property<'_>> {
     let steps: Vec<&str> = pointer.strip_prefix('/')?.split('/').collect();
@@ -136,6 +141,9 @@ pub(crate) fn resolve(pointer: &str) -> Option<Property<'_>> {
         ["cameras", i, ..] => value(Owner::Camera(number(i)?), &steps[2..], CAMERA),
         ["extensions", ext::LIGHTS_PUNCTUAL, "lights", i, ..] => {
             value(Owner::Light(number(i)?), &steps[4..], LIGHT)
+        }
+        ["extensions", ext::LIGHTS_IMAGE_BASED, "lights", i, ..] => {
+            value(Owner::Sky(number(i)?), &steps[4..], SKY)
         }
         _ => None,
     }
@@ -201,6 +209,7 @@ mod tests {
             ("/materials/1/extensions/KHR_materials_specular/specularFactor", 1),
             ("/cameras/0/perspective/yfov", 1),
             ("/extensions/KHR_lights_punctual/lights/2/spot/innerConeAngle", 1),
+            ("/extensions/EXT_lights_image_based/lights/0/rotation", 4),
         ] {
             assert_eq!(values(p), Some((p.to_owned(), n)));
         }

@@ -12,7 +12,16 @@ use etendue_image::{DecodeLimits, Image, Pixels, decode, lat_long_of_cube};
 use etendue_scene::Environment;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The sky of the scene that is shown.
+pub(crate) struct Sky {
+    /// Which of the file's it is.
+    pub number: u32,
+    faces: Vec<Image>,
+    /// For the rotation that was asked for last.
+    made: Mutex<Option<([f64; 4], Arc<Image>)>>,
+}
 
 /// The sky of the scene that is shown; `None` if it has none, or, with a warning, none that can be read.
 pub(crate) fn load(
@@ -20,14 +29,14 @@ pub(crate) fn load(
     buffers: &Buffers<'_>,
     source: &Source<'_>,
     warnings: &mut Warnings,
-) -> Result<Option<Environment>, Fault> {
-    let number = doc.scene.unwrap_or(0);
-    let Some(light) = doc.scenes.get(number as usize).and_then(|s| s.image_light) else { return Ok(None) };
-    let pointer = format!("/extensions/{}/lights/{light}", ext::LIGHTS_IMAGE_BASED);
-    let from = || format!("/scenes/{number}/extensions/{}/light", ext::LIGHTS_IMAGE_BASED);
-    let light = get(&doc.image_lights, light, "image-based light", from)?;
-    match made(light, doc, buffers, source) {
-        Ok(sky) => Ok(Some(sky)),
+) -> Result<Option<Sky>, Fault> {
+    let scene = doc.scene.unwrap_or(0);
+    let Some(number) = doc.scenes.get(scene as usize).and_then(|s| s.image_light) else { return Ok(None) };
+    let pointer = format!("/extensions/{}/lights/{number}", ext::LIGHTS_IMAGE_BASED);
+    let from = || format!("/scenes/{scene}/extensions/{}/light", ext::LIGHTS_IMAGE_BASED);
+    let light = get(&doc.image_lights, number, "image-based light", from)?;
+    match faces(light, doc, buffers, source) {
+        Ok(faces) => Ok(Some(Sky { number, faces, made: Mutex::default() })),
         Err(e) => {
             warnings.add(pointer, format!("the sky cannot be shown: {e}"));
             Ok(None)
@@ -35,12 +44,12 @@ pub(crate) fn load(
     }
 }
 
-fn made(
+fn faces(
     light: &ImageLight,
     doc: &Document<'_>,
     buffers: &Buffers<'_>,
     source: &Source<'_>,
-) -> Result<Environment, String> {
+) -> Result<Vec<Image>, String> {
     let limits =
         DecodeLimits { max_pixels: source.limits.image_pixels, max_bytes: source.limits.image_bytes };
     let faces: Vec<Image> = light
@@ -59,15 +68,31 @@ fn made(
     if 96 * u64::from(n) * u64::from(n) > source.limits.image_bytes {
         return Err(format!("its faces of {n} × {n} pixels are beyond the limit `image_bytes`"));
     }
-    let [x, y, z, w] = light.rotation.map(|v| v as f32);
-    let turn = Quat::from_xyzw(x, y, z, w);
-    let turn =
-        if turn.is_finite() && turn.length_squared() > 1e-12 { turn.normalize() } else { Quat::IDENTITY };
-    let back = turn.inverse();
-    let image = lat_long_of_cube(&faces, |d| (back * Vec3::from_array(d)).to_array());
-    let intensity = light.intensity as f32;
-    let intensity = if intensity.is_finite() && intensity >= 0.0 { intensity } else { 1.0 };
-    Ok(Environment::LatLong { image: Arc::new(image), rotation: 0.0, intensity })
+    Ok(faces)
+}
+
+impl Sky {
+    /// As bright as `light` says, and turned so.
+    pub fn at(&self, light: &ImageLight) -> Environment {
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        let image = match &*made {
+            Some((rotation, image)) if *rotation == light.rotation => image.clone(),
+            _ => Arc::new(self.turned(light.rotation)),
+        };
+        *made = Some((light.rotation, image.clone()));
+        let intensity = light.intensity as f32;
+        let intensity = if intensity.is_finite() && intensity >= 0.0 { intensity } else { 1.0 };
+        Environment::LatLong { image, rotation: 0.0, intensity }
+    }
+
+    fn turned(&self, rotation: [f64; 4]) -> Image {
+        let [x, y, z, w] = rotation.map(|v| v as f32);
+        let turn = Quat::from_xyzw(x, y, z, w);
+        let turn =
+            if turn.is_finite() && turn.length_squared() > 1e-12 { turn.normalize() } else { Quat::IDENTITY };
+        let back = turn.inverse();
+        lat_long_of_cube(&self.faces, |d| (back * Vec3::from_array(d)).to_array())
+    }
 }
 
 /// A face as light, oriented as graphics processors take it.

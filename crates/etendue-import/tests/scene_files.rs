@@ -7,6 +7,7 @@ use etendue_import::{ImportOptions, Imported, Limits};
 use etendue_scene::{AlphaMode, LightKind, Material, Substitute};
 use glam::{Vec3, Vec3A};
 use std::path::Path;
+use std::sync::Arc;
 use tempfile::TempDir;
 
 const OBJ: &str = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl red\nf 1/1 2/2 3/3\nusemtl blue\nf 3/3 2/2 1/1\n";
@@ -465,4 +466,69 @@ fn every_parameter_of_a_material_has_a_key() {
         let key = under_another_name.iter().find(|(a, _)| *a == f).map_or(f, |(_, k)| k);
         assert!(known.contains(&format!("\"{key}\":")), "Material::{f} has no key in a scene file");
     }
+}
+
+/// A scene file that is read once shows at each moment what loading it at that time shows, without any of its files, and shares
+/// what does not change.
+#[test]
+fn moments_of_a_scene_are_loaded_once() {
+    let dir = folder();
+    let at = |name: &str| dir.path().join(name);
+    // A triangle that moves, with texture coordinates but no tangents.
+    let floats: [f32; 23] =
+        [0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 1., 0., 2., 0., 0., 0., 5., 0., 0.];
+    let bytes: Vec<u8> = floats.iter().flat_map(|v| v.to_le_bytes()).collect();
+    std::fs::write(at("move.bin"), &bytes).unwrap();
+    let accessor = |offset: usize, count: usize, shape: &str| {
+        format!(
+            r#"{{"bufferView":0,"byteOffset":{offset},"componentType":5126,"count":{count},"type":"{shape}"}}"#
+        )
+    };
+    let list =
+        [accessor(0, 3, "VEC3"), accessor(36, 3, "VEC2"), accessor(60, 2, "SCALAR"), accessor(68, 2, "VEC3")];
+    let text = format!(
+        r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"uri":"move.bin","byteLength":92}}],
+        "bufferViews":[{{"buffer":0,"byteLength":92}}],"accessors":[{}],"materials":[{{"name":"skin"}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"material":0}}]}}],
+        "nodes":[{{"mesh":0}}],"scenes":[{{"nodes":[0]}}],"scene":0,
+        "animations":[{{"channels":[{{"sampler":0,"target":{{"node":0,"path":"translation"}}}}],
+        "samplers":[{{"input":2,"output":3}}]}}]}}"#,
+        list.join(",")
+    );
+    std::fs::write(at("move.gltf"), text).unwrap();
+    let scene = "[[model]]\nfile = 'move.gltf'\nat = 1\n[[model]]\nfile = 'move.gltf'\ntranslation = [0, 3, 0]\n\
+        [[model]]\nfile = 'm.obj'\n[override.skin]\nnormal_texture = 'pixel.png'\nbase_color_texture = 'pixel.png'\n";
+    let times = [None, Some(0.5f32), Some(1.5), None];
+    let load = |t: Option<f32>| {
+        let options =
+            LoadOptions { import: ImportOptions { at: t, ..Default::default() }, ..Default::default() };
+        load_with(scene, dir.path(), &options).unwrap()
+    };
+    let expected: Vec<Imported> = times.iter().map(|t| load(*t)).collect();
+    assert_eq!(expected[1].scene.instances[0].transform.translation.x, 1.25);
+    assert!(!expected[0].scene.meshes[0].tangents.is_empty());
+    let models = parse(scene, dir.path()).unwrap().with_models(&LoadOptions::default()).unwrap();
+    let moving = models.open();
+    let text = |i: &Imported| {
+        let s = &i.scene;
+        let parts = (&s.meshes, &s.instances, &s.materials, &s.textures, &s.images, &s.lights, &s.cameras);
+        format!("{parts:?} {:?}", i.warnings)
+    };
+    // Buffers and pictures are read with the first moment.
+    assert!(text(&moving.at(None).unwrap()) == text(&expected[0]));
+    let digest = moving.digest().unwrap();
+    drop(dir);
+    let mut before: Option<Imported> = None;
+    for (t, e) in times.iter().zip(&expected) {
+        let now = moving.at(t.map(f64::from)).unwrap_or_else(|e| panic!("at {t:?}: {e}"));
+        assert!(text(&now) == text(e), "at {t:?}");
+        if let (Some(b), Some(_)) = (&before, t) {
+            let same = |a: &[Arc<etendue_scene::Mesh>], b: &[Arc<etendue_scene::Mesh>]| {
+                a.iter().filter(|m| b.iter().any(|n| Arc::ptr_eq(m, n))).count()
+            };
+            assert_eq!(same(&now.scene.meshes, &b.scene.meshes), now.scene.meshes.len(), "at {t:?}");
+        }
+        before = Some(now);
+    }
+    assert_eq!(moving.digest().unwrap(), digest);
 }

@@ -3,10 +3,11 @@ mod common;
 
 use common::Model;
 use etendue_image::{Image, PictureFormat, Pixels, WriteOptions, encode_picture};
-use etendue_import::{ExportOptions, export, import_bytes};
+use etendue_import::{ExportOptions, ImportOptions, ModelFile, export, import_bytes};
 use etendue_scene::Environment;
 use serde_json::json;
 use std::f32::consts::TAU;
+use std::sync::Arc;
 
 /// What an eye in the cube sees on each face, s to the right and t down, −1..1 (`EXT_lights_image_based`: the faces of graphics processors,
 /// flipped about their vertical axes).
@@ -115,4 +116,51 @@ fn metadata_are_kept() {
     let file = export(&imported.scene, &[], &options).unwrap();
     let again = import_bytes(&file.bytes, "a.glb", &Default::default()).unwrap().info;
     assert_eq!((again.xmp, again.xmp_of_asset), (imported.info.xmp, Some(1)));
+}
+
+/// Brightness and rotation of a sky that an animation changes are those of a sky that has them; the pictures are read once.
+#[test]
+fn a_sky_moves() {
+    let turned = |turns: f32| {
+        let (sin, cos) = (turns * TAU / 2.0).sin_cos();
+        [0.0, sin, 0.0, cos]
+    };
+    let mut m = model(8, turned(0.0), true);
+    let input = m.floats(&[0.0, 2.0], "SCALAR");
+    let rotation = m.floats(&[turned(0.0), turned(0.25)].concat(), "VEC4");
+    let intensity = m.floats(&[2.0, 6.0], "SCALAR");
+    let target = |what: &str| {
+        let pointer = format!("/extensions/EXT_lights_image_based/lights/0/{what}");
+        json!({"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}})
+    };
+    m.json["animations"] = json!([{
+        "channels": [
+            {"sampler": 0, "target": target("rotation")},
+            {"sampler": 1, "target": target("intensity")}
+        ],
+        "samplers": [{"input": input, "output": rotation}, {"input": input, "output": intensity}]
+    }]);
+    let bytes = m.glb();
+    let file = ModelFile::from_bytes(&bytes, "sky.glb", &ImportOptions::default());
+    let moving = file.open().unwrap();
+    let sky = |e: &Environment| match e {
+        Environment::LatLong { image, rotation, intensity } => (image.clone(), *rotation, *intensity),
+        e => panic!("{e:?}"),
+    };
+    let mut seen = Vec::new();
+    for (seconds, part) in [(0.0, 0.0), (0.5, 0.25), (2.0, 1.0), (2.0, 1.0)] {
+        let now = moving.at(Some(seconds)).unwrap();
+        assert!(now.warnings.is_empty(), "{:?}", now.warnings);
+        let (image, rotation, intensity) = sky(&now.scene.environment);
+        let alone = model(8, turned(0.25 * part), true).import();
+        let (expected, ..) = sky(&alone.scene.environment);
+        assert_eq!((rotation, intensity), (0.0, 2.0 + 4.0 * part));
+        let worst = (0..image.width * image.height * 3)
+            .map(|k| (k / 3 % image.width, k / 3 / image.width, (k % 3) as u8))
+            .map(|(x, y, c)| (image.sample(x, y, c) - expected.sample(x, y, c)).abs());
+        assert!(worst.fold(0.0, f32::max) < 1e-3, "at {seconds} s");
+        seen.push(image);
+    }
+    assert!(Arc::ptr_eq(&seen[2], &seen[3]), "nothing changed");
+    assert!(seen[0].sample(0, 8, 0) != seen[2].sample(0, 8, 0));
 }

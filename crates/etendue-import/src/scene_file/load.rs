@@ -6,12 +6,14 @@ use super::nearest::nearest;
 use super::overrides::{ALL, Override};
 use super::place::Placed;
 use super::{SceneFile, shorten};
+use crate::geometry::TangentSpace;
 use crate::import::{ImageFile, ImportOptions, Imported, import, import_bytes};
 use crate::info::ImageInfo;
 use crate::limits::Limits;
 use crate::source::{Source, read_file};
-use crate::{plan, tangents};
-use etendue_scene::{MeasuredMaterial, Sampler, Scene, Texture, TextureRef};
+use crate::texture::Decoded;
+use crate::{ImportError, plan, tangents};
+use etendue_scene::{MeasuredMaterial, Mesh, Sampler, Scene, Texture, TextureRef};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -28,8 +30,29 @@ pub struct LoadOptions<'a> {
     pub variant: Option<&'a str>,
 }
 
-/// Pictures that overrides name, each decoded once.
+/// Pictures that overrides name, each once in the scene.
 type Pictures = HashMap<PathBuf, u32>;
+
+/// Imports a model within limits.
+pub(super) type Import<'i> = dyn FnMut(&Placed, &Key<'_>, Limits) -> Result<Imported, ImportError> + 'i;
+
+/// What the next moment may need again.
+#[derive(Default)]
+pub(super) struct Cache {
+    /// There may be one.
+    keep: bool,
+    pictures: HashMap<PathBuf, Decoded>,
+    measured: HashMap<PathBuf, MeasuredMaterial>,
+    /// Meshes, along what they have tangents, and the same with them.
+    tangents: Vec<(Arc<Mesh>, TangentSpace, Arc<Mesh>)>,
+}
+
+impl Cache {
+    /// One that keeps things.
+    pub fn kept() -> Self {
+        Self { keep: true, ..Self::default() }
+    }
+}
 
 impl SceneFile {
     /// Loads the models and puts the scene together. Its sky and its camera are the program's to choose: the scene has
@@ -38,6 +61,26 @@ impl SceneFile {
     /// # Errors
     /// A model that does not load, with the line that names it; a material or variant that there is not.
     pub fn load(&self, options: &LoadOptions<'_>) -> Result<Imported, SceneFileError> {
+        let mut model = |placed: &Placed, key: &Key<'_>, limits: Limits| {
+            let import_options = self.import_options(placed, key.at(), options, limits);
+            match &placed.builtin {
+                None => import(&placed.file, &import_options),
+                Some(name) => {
+                    let bytes = options.builtins.iter().find(|(n, _)| n == name).map_or(&[][..], |(_, b)| *b);
+                    import_bytes(bytes, name, &import_options)
+                }
+            }
+        };
+        self.compose(options, &mut Cache::default(), &mut model)
+    }
+
+    /// As [`Self::load`], with models from `import`.
+    pub(super) fn compose(
+        &self,
+        options: &LoadOptions<'_>,
+        cache: &mut Cache,
+        import: &mut Import<'_>,
+    ) -> Result<Imported, SceneFileError> {
         let mut all = Union::default();
         let mut parts: Vec<(Key<'_>, Part)> = Vec::new();
         let mut pictures = Pictures::new();
@@ -48,7 +91,9 @@ impl SceneFile {
             let number = match known {
                 Some(n) => n,
                 None => {
-                    let model = self.model(placed, &key, options, &all.scene)?;
+                    self.builtin(placed, options)?;
+                    let limits = options.import.limits.left_by(&all.scene);
+                    let model = import(placed, &key, limits).map_err(|e| self.of_model(placed, e))?;
                     parts.push((key, all.add(model, &placed.label())));
                     parts.len() - 1
                 }
@@ -82,17 +127,18 @@ impl SceneFile {
         // From what is said of all materials of all models to what is said of one of one model.
         let everything = 0..all.scene.materials.len();
         for o in in_order(&self.overrides) {
-            self.change(o, &mut all, everything.clone(), &mut pictures, options)?;
+            self.change(o, &mut all, everything.clone(), &mut pictures, options, cache)?;
         }
         for (own, materials) in self.own_overrides.iter().zip(materials) {
             for o in in_order(own) {
-                self.change(o, &mut all, materials.clone(), &mut pictures, options)?;
+                self.change(o, &mut all, materials.clone(), &mut pictures, options, cache)?;
             }
         }
         all.scene.lights.extend(self.lights.iter().cloned());
-        add_tangents(&mut all.scene);
+        let fresh = add_tangents(&mut all.scene, cache);
+        // The models' meshes were looked into when they were loaded.
         all.scene
-            .validate()
+            .validate_but(|m| !fresh.contains(&Arc::as_ptr(m)))
             .map_err(|e| self.text.wrong(&(0..0), format!("the scene is inconsistent: {e}"), None))?;
         let mut info = all.info;
         info.file.clone_from(&self.text.file);
@@ -104,38 +150,37 @@ impl SceneFile {
         Ok(Imported { scene: all.scene, warnings: all.warnings.into_vec(), info, image_files })
     }
 
-    /// Imports a model within what others have left of the limits.
-    fn model(
+    /// How a model is imported.
+    pub(super) fn import_options(
         &self,
         placed: &Placed,
-        key: &Key<'_>,
+        at: Option<f32>,
         options: &LoadOptions<'_>,
-        loaded: &Scene,
-    ) -> Result<Imported, SceneFileError> {
-        let import_options = ImportOptions {
-            at: key.at.map(f32::from_bits),
-            animation: placed.animation.clone(),
-            limits: options.import.limits.left_by(loaded),
-            ..options.import.clone()
-        };
-        let result = match &placed.builtin {
-            None => import(&placed.file, &import_options),
-            Some(name) => match options.builtins.iter().find(|(n, _)| n == name) {
-                Some((name, bytes)) => import_bytes(bytes, name, &import_options),
-                None => {
-                    return Err(self.text.wrong(
-                        &placed.span,
-                        format!("there is no built-in model {name:?}"),
-                        None,
-                    ));
-                }
-            },
-        };
-        result.map_err(|source| SceneFileError::Model {
+        limits: Limits,
+    ) -> ImportOptions {
+        ImportOptions { at, animation: placed.animation.clone(), limits, ..options.import.clone() }
+    }
+
+    /// The built-in model that is placed, if it is one.
+    pub(super) fn builtin<'b>(
+        &self,
+        placed: &Placed,
+        options: &LoadOptions<'b>,
+    ) -> Result<Option<(&'b str, &'b [u8])>, SceneFileError> {
+        let Some(name) = &placed.builtin else { return Ok(None) };
+        match options.builtins.iter().find(|(n, _)| n == name) {
+            Some(found) => Ok(Some(*found)),
+            None => Err(self.text.wrong(&placed.span, format!("there is no built-in model {name:?}"), None)),
+        }
+    }
+
+    /// The error of a model, with its place.
+    pub(super) fn of_model(&self, placed: &Placed, source: ImportError) -> SceneFileError {
+        SceneFileError::Model {
             file: self.text.file.clone(),
             line: self.text.place(placed.span.start).0,
             source: Box::new(source),
-        })
+        }
     }
 
     /// Which set of materials a place of a model has.
@@ -166,6 +211,7 @@ impl SceneFile {
         materials: Range<usize>,
         pictures: &mut Pictures,
         options: &LoadOptions<'_>,
+        cache: &mut Cache,
     ) -> Result<(), SceneFileError> {
         let named = |i: &usize| o.material == ALL || all.scene.materials[*i].name == o.material;
         let which: Vec<usize> = materials.clone().filter(named).collect();
@@ -177,18 +223,21 @@ impl SceneFile {
             return Err(self.text.wrong(&o.span, message, Some(help)));
         }
         let measured = match &o.measured {
+            Some((path, _)) if cache.measured.contains_key(path) => cache.measured.get(path).cloned(),
             Some((path, span)) => {
                 let fail = |e: String| self.text.wrong(span, format!("{}: {e}", path.display()), None);
                 let bytes =
                     read_file(path, options.import.limits.for_file().0).map_err(|e| fail(e.to_string()))?;
-                Some(MeasuredMaterial::from_bytes(&bytes).map_err(|e| fail(e.to_string()))?)
+                let read = MeasuredMaterial::from_bytes(&bytes).map_err(|e| fail(e.to_string()))?;
+                cache.measured.insert(path.clone(), read.clone());
+                Some(read)
             }
             None => None,
         };
         let mut loaded = Vec::with_capacity(o.textures.len());
         for (_, file, span) in &o.textures {
             loaded.push(match file {
-                Some(path) => Some(self.texture(path, span, all, pictures, options)?),
+                Some(path) => Some(self.texture(path, span, all, pictures, options, cache)?),
                 None => None,
             });
         }
@@ -206,17 +255,21 @@ impl SceneFile {
         all: &mut Union,
         pictures: &mut Pictures,
         options: &LoadOptions<'_>,
+        cache: &mut Cache,
     ) -> Result<TextureRef, SceneFileError> {
         if let Some(&t) = pictures.get(path) {
             return Ok(TextureRef::new(t));
         }
-        let fail = |e: String| self.text.wrong(span, format!("{}: {e}", path.display()), None);
-        let limits = options.import.limits.left_by(&all.scene);
-        let bytes = read_file(path, limits.for_file().0).map_err(|e| fail(e.to_string()))?;
-        let used = bytes.len() as u64;
-        let source = Source { folder: None, limits: &limits, used, keep_files: options.import.image_files };
-        let image = source.decode(&bytes, limits.for_images(used).0).map_err(fail)?;
-        let decoded = source.decoded(Arc::new(image), bytes);
+        let decoded = match cache.pictures.get(path) {
+            Some(known) => known.clone(),
+            None => {
+                let decoded = self.picture(path, span, &all.scene, options)?;
+                if cache.keep {
+                    cache.pictures.insert(path.to_path_buf(), decoded.clone());
+                }
+                decoded
+            }
+        };
         let mut info = ImageInfo { uri: Some(path.display().to_string()), ..ImageInfo::default() };
         info.set_decoded(&decoded);
         all.info.counts.images += 1;
@@ -233,11 +286,28 @@ impl SceneFile {
         pictures.insert(path.to_path_buf(), number);
         Ok(TextureRef::new(number))
     }
+
+    /// A picture, within what the scene has left of the limits.
+    fn picture(
+        &self,
+        path: &Path,
+        span: &Range<usize>,
+        scene: &Scene,
+        options: &LoadOptions<'_>,
+    ) -> Result<Decoded, SceneFileError> {
+        let fail = |e: String| self.text.wrong(span, format!("{}: {e}", path.display()), None);
+        let limits = options.import.limits.left_by(scene);
+        let bytes = read_file(path, limits.for_file().0).map_err(|e| fail(e.to_string()))?;
+        let used = bytes.len() as u64;
+        let source = Source { folder: None, limits: &limits, used, keep_files: options.import.image_files };
+        let image = source.decode(&bytes, limits.for_images(used).0).map_err(fail)?;
+        Ok(source.decoded(Arc::new(image), bytes))
+    }
 }
 
 /// What makes two models the same.
 #[derive(PartialEq)]
-struct Key<'a> {
+pub(super) struct Key<'a> {
     file: &'a Path,
     builtin: Option<&'a str>,
     at: Option<u32>,
@@ -252,6 +322,11 @@ impl<'a> Key<'a> {
             at: options.at.or(placed.at).map(f32::to_bits),
             animation: &placed.animation,
         }
+    }
+
+    /// Seconds into its animation.
+    pub fn at(&self) -> Option<f32> {
+        self.at.map(f32::from_bits)
     }
 }
 
@@ -278,8 +353,9 @@ fn listed<'n>(word: &str, names: impl Iterator<Item = &'n str> + Clone, none: &s
     format!("there are {}{rest}", shown.join(", "))
 }
 
-/// Gives tangents to meshes whose materials need them since an override said so.
-fn add_tangents(scene: &mut Scene) {
+/// Gives tangents to meshes whose materials need them since an override said so. Returns those that got new ones.
+fn add_tangents(scene: &mut Scene, cache: &mut Cache) -> Vec<*const Mesh> {
+    let (mut fresh, mut used) = (Vec::new(), Vec::new());
     for i in &scene.instances {
         let material = i.material.and_then(|m| scene.materials.get(m as usize));
         let mesh = &mut scene.meshes[i.mesh as usize];
@@ -287,9 +363,19 @@ fn add_tangents(scene: &mut Scene) {
             && mesh.tangents.is_empty()
             && (space.uv_set as usize) < mesh.uvs.len()
         {
+            if let Some(known) = cache.tangents.iter().find(|k| Arc::ptr_eq(&k.0, mesh) && k.1 == space) {
+                *mesh = known.2.clone();
+                used.push(known.clone());
+                continue;
+            }
+            let without = cache.keep.then(|| mesh.clone());
             tangents::generate(Arc::make_mut(mesh), space.uv_set as usize, &space.transform());
+            fresh.push(Arc::as_ptr(mesh));
+            used.extend(without.map(|w| (w, space, mesh.clone())));
         }
     }
+    cache.tangents = used;
+    fresh
 }
 
 impl Limits {

@@ -4,7 +4,7 @@ use super::CliError;
 use super::args::{Cli, Command, RenderArgs};
 use super::settings::{self, Setting};
 use crate::builtin::HELMET_GLB;
-use crate::import::scene_file::{Grammar, LoadOptions, SceneFile, SceneFileError, is_scene_file, schema};
+use crate::import::scene_file::{Grammar, LoadOptions, SceneFile, SceneModels, is_scene_file, schema};
 use crate::import::{ImportOptions, Imported, Limits};
 use clap::Parser;
 use serde_json::{Map, Value};
@@ -28,18 +28,19 @@ pub(crate) fn read(path: &Path, limits: &Limits, settings: &[Setting]) -> Result
 }
 
 /// Reads and loads a scene file; `variant` goes before those that it names.
-pub(crate) fn load(
+pub(crate) fn load(path: &Path, import: &ImportOptions, variant: Option<&str>) -> Result<Imported, CliError> {
+    let options = LoadOptions { import: import.clone(), builtins: &BUILTINS, variant };
+    Ok(read(path, &import.limits, &settings::settings())?.load(&options)?)
+}
+
+/// Reads a scene file and the files of its models, to be shown at many moments.
+pub(crate) fn models<'v>(
     path: &Path,
     import: &ImportOptions,
-    variant: Option<&str>,
-) -> Result<Imported, SceneFileError> {
-    let settings = settings::settings();
-    let sections = settings::sections(&settings);
-    let builtins = builtin_names();
-    let limits = import.limits.clone();
-    let grammar = Grammar { sections: &sections, builtins: &builtins, limits, ..Grammar::default() };
+    variant: Option<&'v str>,
+) -> Result<SceneModels<'v>, CliError> {
     let options = LoadOptions { import: import.clone(), builtins: &BUILTINS, variant };
-    SceneFile::read(path, &grammar)?.load(&options)
+    Ok(read(path, &import.limits, &settings::settings())?.with_models(&options)?)
 }
 
 /// The arguments with the settings of the scene file under them, if the model is one: what stood on the command line goes first,

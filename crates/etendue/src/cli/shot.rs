@@ -18,7 +18,7 @@ pub(crate) enum Shot<'a> {
 impl<'a> Shot<'a> {
     /// What `stage` shows while the shutter is open for `seconds` around `clock`'s time; its worlds go on from those of the `series`.
     pub fn moving(
-        stage: &'a Stage<'a>,
+        stage: &'a Stage<'_>,
         clock: Clock,
         seconds: f64,
         settings: Settings,
@@ -26,7 +26,7 @@ impl<'a> Shot<'a> {
     ) -> Result<Self, CliError> {
         let middle = clock.at.unwrap_or(0.0);
         let at: Moments<'a> = Box::new(move |t| Ok(stage.moment(&clock.later(t - middle))?.0));
-        let digest = stage.digest(&clock);
+        let digest = stage.digest(&clock)?;
         let shutter = Shutter { moments: stage.moments(), ..Shutter::around(middle, seconds) };
         let renderer = MovingRenderer::new(at, shutter, settings, digest, series)?;
         Ok(Self::Moving(Box::new(renderer)))

@@ -2,30 +2,28 @@
 
 use super::args::RenderArgs;
 use super::sequence::Clock;
-use super::{CliError, load, note_line};
+use super::{CliError, load, note_line, scene_file};
 use crate::builtin::HELMET_GLB;
-use crate::import::scene_file::is_scene_file;
-use crate::import::{ImportOptions, Imported, Model, ModelFile};
+use crate::import::scene_file::{MovingScene, SceneModels, is_scene_file};
+use crate::import::{Imported, Model, ModelFile};
 use crate::render::Moment;
 use crate::scene::{Bounds, Camera, Environment, Scene};
 use glam::{Affine3A, DAffine3, DQuat, DVec3, Vec3, Vec3A};
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
 
 /// Moments of the animation, and positions on the way round it, at which a model is looked at to find a camera that shows it at all
 /// of them.
 const LOOKS: u32 = 16;
 
 /// The file that the arguments name.
-pub(crate) enum File {
+pub(crate) enum File<'v> {
     Model(Box<ModelFile<'static>>),
-    /// A scene file: it and its models are read again for every moment.
-    Scene(PathBuf),
+    Scene(Box<SceneModels<'v>>),
 }
 
 /// Reads the file that the arguments name.
-pub(crate) fn file(args: &RenderArgs) -> Result<File, CliError> {
+pub(crate) fn file(args: &RenderArgs) -> Result<File<'_>, CliError> {
     let options = load::options(args);
     Ok(match &args.model {
         Some(path) if is_scene_file(path) => {
@@ -34,7 +32,7 @@ pub(crate) fn file(args: &RenderArgs) -> Result<File, CliError> {
                     "each model of a scene file has its own animation: say `animation` there".into(),
                 ));
             }
-            File::Scene(path.clone())
+            File::Scene(Box::new(scene_file::models(path, &options, args.variant.as_deref())?))
         }
         Some(path) => File::Model(Box::new(ModelFile::read(path, &options)?)),
         None => File::Model(Box::new(ModelFile::from_bytes(HELMET_GLB, "built-in helmet", &options))),
@@ -44,7 +42,7 @@ pub(crate) fn file(args: &RenderArgs) -> Result<File, CliError> {
 /// What is shown at a moment.
 enum Source<'a> {
     Model(Model<'a>),
-    Scene(&'a Path),
+    Scene(MovingScene<'a>),
 }
 
 /// What the arguments put before the camera.
@@ -59,10 +57,10 @@ pub(crate) struct Stage<'a> {
 
 impl<'a> Stage<'a> {
     /// Reads model and sky.
-    pub fn new(file: &'a File, args: &'a RenderArgs) -> Result<Self, CliError> {
+    pub fn new(file: &'a File<'a>, args: &'a RenderArgs) -> Result<Self, CliError> {
         let source = match file {
             File::Model(file) => Source::Model(file.open()?),
-            File::Scene(path) => Source::Scene(path),
+            File::Scene(models) => Source::Scene(models.open()),
         };
         let (environment, notes) = load::environment(args)?;
         let stage = Self { args, source, environment, whole: OnceCell::new(), warnings: RefCell::default() };
@@ -92,25 +90,22 @@ impl<'a> Stage<'a> {
     }
 
     /// Names how model and camera move.
-    pub fn digest(&self, clock: &Clock) -> u32 {
+    pub fn digest(&self, clock: &Clock) -> Result<u32, CliError> {
         let speed = clock.turn.map(|[_, speed]| speed);
         let chosen = format!("{:?}", (&self.args.motion.animation, &self.args.camera, speed));
         let file = match &self.source {
             Source::Model(m) => m.digest(),
-            Source::Scene(path) => crc32fast::hash(path.as_os_str().as_encoded_bytes()),
+            Source::Scene(s) => s.digest()?,
         };
         let mut h = crc32fast::Hasher::new_with_initial(file);
         h.update(chosen.as_bytes());
-        h.finalize()
+        Ok(h.finalize())
     }
 
     fn imported(&self, at: Option<f64>) -> Result<Imported, CliError> {
         match &self.source {
             Source::Model(m) => Ok(m.at(at)?),
-            Source::Scene(path) => {
-                let options = ImportOptions { at: at.map(|t| t as f32), ..load::options(self.args) };
-                load::read(Some(path), &options, self.args.variant.as_deref())
-            }
+            Source::Scene(s) => Ok(s.at(at)?),
         }
     }
 

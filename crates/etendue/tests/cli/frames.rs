@@ -1,6 +1,6 @@
 //! `render --frames`, `--turntable`, `--shutter`.
 
-use crate::lab::{Lab, plane, samples};
+use crate::lab::{Lab, plane, samples, wait_for};
 use serde_json::json;
 
 /// A bright strip, 0.6 wide, that goes from x = −0.8 at 0 s to x = 0.8 at 1 s, and a camera of the file that sees x from
@@ -127,4 +127,65 @@ fn turntables_and_real_time() {
     assert!(run.out.contains("2 of 2 frames were there already"), "{run:?}");
     lab.run(&format!("{frames} --shutter 180deg")).ends_with(2).says(&["--shutter"]);
     lab.run("render strip.gltf --animation dance --at 0 -o n.png").ends_with(1).says(&["0 `go`"]);
+}
+
+/// A run that is interrupted within a frame leaves whole frames and says how to go on; the same command then leaves the files that
+/// it leaves when nobody interrupts it, to the bit.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_sequence_goes_on_to_the_same_files() {
+    for shutter in ["", "--shutter 1/8s"] {
+        let line = format!(
+            "render strip.gltf --env none --camera 0 --size 128x128 --bounces 0 --frames 0..3 --fps 4 -n 448 {shutter} \
+             --checkpoint 0.05s -o f-#.exr"
+        );
+        let names = ["f-0.exr", "f-1.exr", "f-2.exr", "f-3.exr"];
+        let (whole, parts) = (Lab::new(), Lab::new());
+        model(&whole);
+        model(&parts);
+        whole.ok(&line);
+        let child = parts.start(&line);
+        // A film beside a frame tells that its samples are being taken.
+        wait_for("a frame and a part of the next", || {
+            parts.path("f-0.exr").exists() && (1..4).any(|n| parts.path(&format!("f-{n}.film")).exists())
+        });
+        crate::stop::interrupt(&child);
+        let run = parts.finish(child).ends_with(1);
+        let run = run.says(&["interrupted at frame", "of 448 samples", "the same command"]);
+        let film =
+            parts.files().into_iter().find(|f| f.ends_with(".film")).unwrap_or_else(|| panic!("{run:?}"));
+        let at: usize = film["f-".len()..film.len() - ".film".len()].parse().unwrap();
+        assert!(at >= 1, "{film}");
+        for name in &names[..at] {
+            assert_eq!(parts.bytes(name), whole.bytes(name), "{name} is whole");
+        }
+        assert!(parts.bytes(names[at]) != whole.bytes(names[at]), "frame {at} is not finished");
+        assert!(parts.film(&film).0.samples() < 448);
+        let run = parts.ok(&line);
+        assert!(run.out.contains(&format!("{at} of 4 frames")), "{run:?}");
+        for name in names {
+            assert_eq!(parts.bytes(name), whole.bytes(name), "{name} after all, {shutter}");
+        }
+        assert_eq!(parts.files(), whole.files());
+    }
+}
+
+/// A scene file's frames are its model's, with and without an open shutter.
+#[test]
+fn scene_files_move() {
+    let lab = Lab::new();
+    model(&lab);
+    lab.write("scene.toml", "[[model]]\nfile = \"strip.gltf\"\n");
+    for shutter in ["", "--shutter 1/8s"] {
+        let frames = format!("--frames 1..2 --fps 4 -n 4 {shutter}");
+        lab.ok(&format!("render {SMALL} {frames} -o m-#.exr"));
+        lab.ok(&format!("render {} {frames} -o s-#.exr", SMALL.replace("strip.gltf", "scene.toml")));
+        for n in 1..3 {
+            assert_eq!(row(&lab, &format!("s-{n}.exr")), row(&lab, &format!("m-{n}.exr")), "{shutter}");
+        }
+    }
+    lab.run(&format!("render {SMALL} --at 0.5 --moments 64 -o n.exr")).ends_with(2).says(&["--shutter"]);
+    lab.run(&format!("render {SMALL} --at 0.5 --shutter 1/8s --moments 3 -o n.exr"))
+        .ends_with(2)
+        .says(&["power of two"]);
 }

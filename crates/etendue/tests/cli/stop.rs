@@ -45,7 +45,7 @@ fn time_ends_it() {
 }
 
 #[cfg(unix)]
-fn interrupt(child: &std::process::Child) {
+pub fn interrupt(child: &std::process::Child) {
     let ok = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(ok.success());
 }
