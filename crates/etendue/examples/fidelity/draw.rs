@@ -1,6 +1,7 @@
 //! Our pictures of a scene.
 
 use crate::suite::{Golden, Scenario, on_grey};
+use etendue::bxdf::multiscatter::Compensation;
 use etendue::color::ToneCurve;
 use etendue::image::{Depth, Development, Image, Pixels, develop, read_environment, rmse};
 use etendue::import::{ImportOptions, import};
@@ -31,10 +32,12 @@ pub fn render(
     assets: &Path,
     (width, height): (u32, u32),
     spp: u32,
+    compensation: Compensation,
 ) -> Result<Ours, Box<dyn Error>> {
     let imported = import(&scenario.model(assets)?, &ImportOptions::default())?;
     imported.warnings.iter().for_each(|w| println!("  warning: {w}"));
     let mut scene = imported.scene;
+    scene.materials.iter_mut().for_each(|m| m.compensation = compensation);
     let sky = read_environment(&scenario.sky(assets)?)?;
     scene.environment = Environment::LatLong { image: Arc::new(sky.image), rotation: 0.0, intensity: 1.0 };
     let world = World::new(scene)?;

@@ -25,6 +25,7 @@ mod judge;
 mod suite;
 
 use clap::Parser;
+use etendue::bxdf::multiscatter::Compensation;
 use etendue::image::{WriteOptions, write_picture};
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -44,6 +45,10 @@ struct Args {
     /// Only this scene; may be given more than once [default: all whose model is there].
     #[arg(long)]
     scene: Vec<String>,
+    /// What is done about light that meets several microfacets: `kulla-conty`, `turquin` (scales the lobe, as Cycles does) or `none`
+    /// (as glTF's formulas and several of the others).
+    #[arg(long, default_value = "kulla-conty")]
+    compensation: String,
     /// Writes our pictures, and each beside the others with the differences below them.
     #[arg(long)]
     out: Option<PathBuf>,
@@ -62,6 +67,12 @@ fn run(args: &Args) -> Result<bool, Box<dyn Error>> {
     }
     let names: Vec<&String> =
         if args.scene.is_empty() { scenarios.keys().collect() } else { args.scene.iter().collect() };
+    let compensation = match args.compensation.as_str() {
+        "kulla-conty" => Compensation::KullaConty,
+        "turquin" => Compensation::Turquin,
+        "none" => Compensation::None,
+        other => return Err(format!("{other} is no way of compensation").into()),
+    };
     let mut judgements = Vec::new();
     for name in names {
         let scenario = scenarios.get(name).ok_or_else(|| format!("there is no scene {name}"))?;
@@ -75,7 +86,7 @@ fn run(args: &Args) -> Result<bool, Box<dyn Error>> {
         println!("{name}, {} × {}, {} samples", size.0, size.1, args.spp);
         odd.iter().for_each(|n| println!("  {n}: left out, its picture has another shape"));
         let started = Instant::now();
-        let ours = draw::render(scenario, &args.assets, size, args.spp)?;
+        let ours = draw::render(scenario, &args.assets, size, args.spp, compensation)?;
         println!("  rendered in {:.1} s", started.elapsed().as_secs_f64());
         judgements.push(judge::judge(name, &ours, &goldens)?);
         if let Some(dir) = &args.out {
