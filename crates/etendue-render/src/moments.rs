@@ -39,7 +39,7 @@ impl Shutter {
     /// When the sample `index` of the pixel at (`x`, `y`) of a picture with this `seed` is taken.
     pub fn time(&self, seed: u32, x: u32, y: u32, index: u32) -> f64 {
         let block = Block::new(self, seed, index);
-        let part = block.part_of[(index - block.first) as usize] ^ block.class(x, y);
+        let part = block.part_of[(index - block.first) as usize] ^ self.class(seed, x, y);
         self.time_of(seed, block.first + block.index_of[part as usize])
     }
 
@@ -59,7 +59,6 @@ pub(crate) struct Block {
     /// Its first sample.
     pub first: u32,
     bits: u32,
-    seed: u32,
     /// Per sample of the block, the part of the time in which class 0 takes it.
     part_of: Vec<u32>,
     /// The other way: per part, the number of the sample within the block.
@@ -76,7 +75,7 @@ impl Block {
         let part_of: Vec<u32> = (0..size).map(part).collect();
         let mut index_of = vec![0; size as usize];
         (0u32..).zip(&part_of).for_each(|(i, part)| index_of[*part as usize] = i);
-        Self { first, bits, seed, part_of, index_of }
+        Self { first, bits, part_of, index_of }
     }
 
     /// Number of samples, and of parts of the time.
@@ -93,14 +92,16 @@ impl Block {
     pub fn sample(&self, part: u32, class: u32) -> u32 {
         self.sample_of(part ^ class)
     }
+}
 
-    /// The class of a pixel.
-    pub fn class(&self, x: u32, y: u32) -> u32 {
+impl Shutter {
+    /// The class of a pixel of the picture with this `seed`.
+    pub(crate) fn class(&self, seed: u32, x: u32, y: u32) -> u32 {
         let mut class = 0;
-        let mut left = self.bits;
+        let mut left = self.block().trailing_zeros();
         let mut level = 0;
         while left > 0 {
-            let above = hash((x >> level >> 1) ^ hash((y >> level >> 1) ^ hash(self.seed ^ (level + 1))));
+            let above = hash((x >> level >> 1) ^ hash((y >> level >> 1) ^ hash(seed ^ (level + 1))));
             let (a, b) = ((x >> level) & 1, (y >> level) & 1);
             let two = if above & 4 == 0 { a << 1 | b } else { b << 1 | a } ^ (above & 3);
             let taken = left.min(2);

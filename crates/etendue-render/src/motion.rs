@@ -80,6 +80,8 @@ pub struct MovingRenderer<'s, M> {
     id: String,
     series: &'s mut Series,
     preparing: Duration,
+    /// Of the pixels, row by row.
+    classes: Vec<u16>,
 }
 
 impl<'s, M, E> MovingRenderer<'s, M>
@@ -101,7 +103,7 @@ where
     ) -> Result<Self, E> {
         let ends = [at(shutter.open)?, at(shutter.close)?];
         let id = series.checksums.moving_id(&ends, &shutter, &settings, digest);
-        Ok(Self { at, shutter, settings, id, series, preparing: Duration::ZERO })
+        Ok(Self { at, shutter, settings, id, series, preparing: Duration::ZERO, classes: Vec::new() })
     }
 
     /// The settings that it was made with.
@@ -163,22 +165,26 @@ where
         to: u32,
         counters: &Counters,
     ) -> Result<(), E> {
+        let Settings { width, height, seed, .. } = self.settings;
+        if self.classes.is_empty() {
+            let row = |y| (0..width).map(move |x| (x, y));
+            let class = |(x, y)| self.shutter.class(seed, x, y) as u16;
+            self.classes = (0..height).flat_map(row).map(class).collect();
+        }
         // A small picture may not have pixels of all classes.
-        let side = self.settings.width.min(64);
-        let pixels = (0..self.settings.height.min(64)).flat_map(|y| (0..side).map(move |x| (x, y)));
-        let mut classes: Vec<u32> = pixels.map(|(x, y)| block.class(x, y)).collect();
-        classes.sort_unstable();
-        classes.dedup();
+        let mut there = vec![false; block.size() as usize];
+        self.classes.iter().for_each(|c| there[usize::from(*c)] = true);
+        let classes: Vec<u32> = (0..block.size()).filter(|c| there[*c as usize]).collect();
         for part in 0..block.size() {
             if !classes.iter().any(|c| (from..to).contains(&block.sample(part, *c))) {
                 continue;
             }
             let begun = Instant::now();
-            let time = self.shutter.time_of(self.settings.seed, block.sample_of(part));
+            let time = self.shutter.time_of(seed, block.sample_of(part));
             let Moment { scene, camera } = (self.at)(time)?;
             let world = self.series.world(scene)?;
             self.preparing += begun.elapsed();
-            let pick = Pick::Part { block, part, from, to };
+            let pick = Pick::Part { block, part, from, to, classes: &self.classes, width };
             Renderer::new(world, camera, self.settings.clone()).add(film, &pick, counters);
         }
         Ok(())

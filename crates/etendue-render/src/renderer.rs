@@ -279,15 +279,17 @@ pub(crate) enum Pick<'a> {
     /// From the first to before the second, of every pixel.
     Range(u32, u32),
     /// Of those, the one that the pixel takes in a part of the time.
-    Part { block: &'a Block, part: u32, from: u32, to: u32 },
+    /// `classes` are those of the pixels, row by row.
+    Part { block: &'a Block, part: u32, from: u32, to: u32, classes: &'a [u16], width: u32 },
 }
 
 impl Pick<'_> {
     fn of(&self, x: u32, y: u32) -> (u32, u32) {
         match *self {
             Self::Range(from, to) => (from, to),
-            Self::Part { block, part, from, to } => {
-                let i = block.sample(part, block.class(x, y));
+            Self::Part { block, part, from, to, classes, width } => {
+                let class = classes[y as usize * width as usize + x as usize];
+                let i = block.sample(part, u32::from(class));
                 if from <= i && i < to { (i, i + 1) } else { (i, i) }
             }
         }

@@ -23,6 +23,8 @@ fn squares(n: u32, scale: f32) -> Arc<Image> {
 struct Stage {
     rest: Scene,
     sky: Arc<Image>,
+    /// Nothing moves but a light.
+    dark: bool,
 }
 
 impl Stage {
@@ -46,20 +48,26 @@ impl Stage {
         let mut again = rest.instances[5].clone();
         again.transform = Affine3A::from_translation(Vec3::new(0.6, -0.6, 0.5));
         rest.instances.push(again);
-        rest.lights.push(Light {
-            name: String::new(),
-            kind: LightKind::Point,
-            intensity: Vec3::splat(2.0),
-            position: Vec3::Y,
-            direction: Vec3::NEG_Y,
-            range: None,
-        });
-        Self { rest, sky: squares(16, 2.0) }
+        for position in [Vec3::Y, Vec3::new(-1.0, 2.0, 1.0)] {
+            rest.lights.push(Light {
+                name: String::new(),
+                kind: LightKind::Point,
+                intensity: Vec3::splat(2.0),
+                position,
+                direction: Vec3::NEG_Y,
+                range: None,
+            });
+        }
+        Self { rest, sky: squares(16, 2.0), dark: false }
     }
 
     fn at(&self, t: f64) -> Moment {
         let mut scene = self.rest.clone();
         let x = t as f32;
+        if self.dark {
+            scene.lights[0].position.x = x;
+            return Moment { scene, camera: Camera::look_at(Vec3::Z * 5.0, Vec3::ZERO, Vec3::Y, 0.8) };
+        }
         scene.instances[3].transform = Affine3A::from_translation(Vec3::new(x - 1.0, 1.5, 0.6));
         scene.instances[5].transform = Affine3A::from_rotation_y(x)
             * Affine3A::from_scale_rotation_translation(
@@ -102,8 +110,8 @@ fn film(stage: &Stage, shutter: Shutter, parts: &[(u32, u32)]) -> Film {
 /// The mean over samples, each of a world that was made for its moment alone.
 #[test]
 fn moments_are_worlds_of_their_own_to_the_bit() {
-    let stage = Stage::new();
-    for moments in [1, 16] {
+    for (dark, moments) in [(false, 1), (false, 16), (true, 16)] {
+        let stage = Stage { dark, ..Stage::new() };
         let shutter = Shutter { open: 0.25, close: 1.0, moments };
         let seen = film(&stage, shutter, &[(0, 6)]);
         let mut sums = vec![[Fixed::default(); 4]; (SIZE[0] * SIZE[1]) as usize];
