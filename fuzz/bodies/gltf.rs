@@ -1,6 +1,6 @@
-//! glTF and GLB: any bytes are a scene that holds together, or an error.
+//! glTF and GLB: any bytes are a scene that holds together and a file that can be written again, or an error.
 
-use etendue_import::{AnimationChoice, ImportOptions, Limits, import_bytes};
+use etendue_import::{AnimationChoice, Form, ImportOptions, Limits, ModelFile, import_bytes};
 
 /// One input.
 pub fn run(data: &[u8]) {
@@ -21,5 +21,12 @@ pub fn run(data: &[u8]) {
         if let Ok(model) = import_bytes(data, "fuzz", &options) {
             assert_eq!(model.scene.validate(), Ok(()));
         }
+    }
+    // What is written again is written the same once more, unless it has grown beyond the limits.
+    let rewrite = |bytes: &[u8]| ModelFile::from_bytes(bytes, "fuzz", &options).rewrite(Form::Binary);
+    if let Ok(Some(again)) = rewrite(data)
+        && let Ok(Some(twice)) = rewrite(&again.bytes)
+    {
+        assert!(again.bytes == twice.bytes);
     }
 }

@@ -339,3 +339,59 @@ fn what_is_not_there_cannot_be_kept() {
     let ply = b"ply\nformat ascii 1.0\nelement vertex 0\nend_header\n";
     assert!(ModelFile::from_bytes(ply, "m.ply", &options).rewrite(Form::Binary).unwrap().is_none());
 }
+
+#[test]
+fn textures_say_what_their_pictures_need() {
+    let mut m = moving();
+    // As small as WebP gets: nothing decodes it here, as no material has it.
+    m.push("images", json!({"uri": data_uri(b"RIFF\x04\0\0\0WEBP")}));
+    m.push("textures", json!({"sampler": 0, "source": 1}));
+    m.push("textures", json!({"source": 0, "extensions": {"EXT_texture_webp": {"source": 1}}}));
+    m.push("samplers", json!({}));
+    let (again, both) = check(&m, Tangents::Any);
+    assert_eq!(again.changes.mended_textures, 1);
+    assert_eq!(both.0["textures"][0], m.json["textures"][0]);
+    assert_eq!(
+        both.0["textures"][1],
+        json!({"sampler": 0, "extensions": {"EXT_texture_webp": {"source": 1}}})
+    );
+    assert_eq!(both.0["textures"][2], m.json["textures"][2]);
+    assert_eq!(both.0["extensionsRequired"], json!(["EXT_texture_webp"]));
+    assert_eq!(both.0["images"][1]["mimeType"], "image/webp");
+}
+
+#[test]
+fn what_nothing_shows_is_bounded_too() {
+    // An accessor without data may claim any number of zeros, and a broken list of indices tells nothing about it.
+    let mut m = moving();
+    let huge = m.push("accessors", json!({"componentType": F32, "count": 4_000_000_000u32, "type": "VEC3"}));
+    let uv = m.push("accessors", json!({"componentType": F32, "count": 4_000_000_000u32, "type": "VEC2"}));
+    m.mesh(json!({"attributes": {"POSITION": huge, "NORMAL": huge, "TEXCOORD_0": uv}, "material": 0, "indices": 99}));
+    let glb = m.glb();
+    let options = ImportOptions::default();
+    let again = ModelFile::from_bytes(&glb, "test.glb", &options).rewrite(Form::Binary);
+    let why = again.err().map(|e| e.to_string()).unwrap_or_default();
+    assert!(why.contains("/meshes/1/primitives/0") && why.contains("`vertices`"), "{why}");
+}
+
+#[test]
+fn every_cut_and_every_flipped_byte_is_survived() {
+    let glb = moving().glb();
+    let options = ImportOptions::default();
+    let run = |bytes: &[u8]| {
+        let Ok(Some(again)) = ModelFile::from_bytes(bytes, "test.glb", &options).rewrite(Form::Binary) else {
+            return false;
+        };
+        let twice = rewrite(&again.bytes, Form::Binary);
+        assert!(twice.bytes == again.bytes, "no fixed point");
+        true
+    };
+    (0..glb.len()).step_by(7).for_each(|cut| assert!(!run(&glb[..cut])));
+    let mut written = 0;
+    for i in 0..glb.len() {
+        let mut b = glb.clone();
+        b[i] ^= [1, 0x80, 0x10][i % 3];
+        written += u32::from(run(&b));
+    }
+    assert!(written > 800, "most flips leave a file that can be written: {written} of {}", glb.len());
+}

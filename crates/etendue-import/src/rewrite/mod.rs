@@ -15,6 +15,7 @@ mod compressed;
 mod files;
 mod refs;
 mod tangents;
+mod textures;
 mod tree;
 mod views;
 
@@ -27,6 +28,7 @@ use crate::uri;
 use crate::warning::{Warning, Warnings};
 use crate::write::Form;
 use arrays::Arrays;
+use etendue_image::DecodeLimits;
 use serde::Serialize;
 use tree::Tree;
 use views::{Pieces, Views};
@@ -51,6 +53,8 @@ pub struct Rewritten {
 pub struct Changes {
     /// References to files and data URIs (pictures, profiles of lamps) that refer to the buffer now.
     pub embedded: u64,
+    /// Textures that name the extension now which their picture, WebP or Basis Universal, needs.
+    pub mended_textures: u64,
     /// Buffer views that were compressed (`EXT_meshopt_compression`, `KHR_meshopt_compression`).
     pub decompressed_views: u64,
     /// Primitives that were compressed (`KHR_draco_mesh_compression`).
@@ -108,6 +112,8 @@ pub(crate) fn rewrite(gltf: &Gltf<'_>, bytes: &[u8], form: Form) -> Result<Rewri
     let used = gltf.bytes + gltf.buffers.external + gltf.budget.booked();
     let source = Source { folder: gltf.folder, limits: &gltf.limits, used, keep_files: false };
     changes.embedded = files::embed(&mut tree, &source, &mut views, &mut notes)?;
+    let limits = DecodeLimits { max_pixels: gltf.limits.image_pixels, max_bytes: gltf.limits.image_bytes };
+    changes.mended_textures = textures::mend(&mut tree, &views, &limits);
     let mut arrays = Arrays::new(tree, views, &gltf.doc);
     changes.decompressed_primitives = compressed::expand(&mut arrays, gltf.accessors())?;
     let mut budget = gltf.budget.clone();

@@ -67,7 +67,7 @@ pub(super) fn add(
         return Ok(Added::default());
     }
     let groups = groups(&out.tree, accessors.doc, &spaces);
-    for g in groups.iter().filter(|g| !g.wanting.is_empty()) {
+    for g in &groups {
         g.book(accessors, budget)?;
     }
     let made: Vec<Option<Made>> = groups.par_iter().map(|g| g.make(accessors)).collect();
@@ -183,12 +183,15 @@ impl Group {
 
     /// Books what making the tangents takes.
     fn book(&self, accessors: Accessors<'_>, budget: &mut Budget) -> Result<(), Fault> {
+        let Some((_, first)) = self.wanting.first() else { return Ok(()) };
+        // Tangents, once as numbers and once as bytes, and normals of what no triangle uses.
+        let count = accessors.doc.accessors.get(first.key.position as usize).map_or(0, |a| a.count);
+        budget.vertices(count, count.saturating_mul(48), || first.pointer.clone())?;
         for (_, job) in &self.wanting {
             // What is wrong with it was said when it was imported, or nothing shows it.
-            let Ok(estimate) = job.estimate(accessors) else { continue };
-            let position = accessors.doc.accessors.get(job.key.position as usize).map_or(0, |a| a.count);
-            let bytes = estimate.bytes.saturating_add(position.saturating_mul(16));
-            budget.vertices(estimate.vertices, bytes, || job.pointer.clone())?;
+            if let Ok(estimate) = job.estimate(accessors) {
+                budget.bytes(estimate.bytes, || job.pointer.clone())?;
+            }
         }
         Ok(())
     }

@@ -129,6 +129,10 @@ fn kept(args: &ConvertArgs, again: &Rewritten) -> Result<(), CliError> {
             some(c.embedded, "picture or profile", "pictures and profiles")
         ));
     }
+    if c.mended_textures > 0 {
+        let what = some(c.mended_textures, "texture", "textures");
+        say(&format!("mended: {what} of a format that only an extension allows, and that did not name it"));
+    }
     for (n, one, several) in [
         (c.decompressed_views, "buffer view", "buffer views"),
         (c.decompressed_primitives, "primitive", "primitives"),

@@ -51,6 +51,30 @@ fn what_is_converted_looks_the_same() {
     assert_eq!(lab.ok("convert m.obj -o c.glb --quiet").out, "");
 }
 
+fn text(lab: &Lab, name: &str) -> String {
+    String::from_utf8(lab.bytes(name)).unwrap()
+}
+
+#[test]
+fn gltf_keeps_what_no_scene_has() {
+    let lab = lab();
+    let moving = concat!(
+        r#","animations":[{"name":"go","channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}],"#,
+        r#""samplers":[{"input":0,"output":0}]}],"extras":{"note":1.50}"#
+    );
+    // A sampler of positions is no animation that could be shown, but one that can be kept.
+    lab.write("a.gltf", triangle(moving));
+    let run = lab.ok("convert a.gltf -o kept.gltf");
+    assert!(run.out.contains("1 animation") && !run.err.contains("not written"), "{} {}", run.out, run.err);
+    let kept = text(&lab, "kept.gltf");
+    assert!(kept.contains(r#""name":"go""#) && kept.contains(r#""note":1.50"#), "{kept}");
+    lab.ok("convert kept.gltf -o twice.gltf");
+    assert_eq!(text(&lab, "twice.gltf"), kept);
+    // A moment is a scene.
+    lab.ok("convert t.gltf -o b.gltf --at 0");
+    assert!(text(&lab, "b.gltf").contains("etendue"), "written by this program");
+}
+
 #[test]
 fn limits_are_named_and_can_be_raised() {
     // The file itself has 805 bytes.
