@@ -223,3 +223,30 @@ fn fuzz_lies_over_the_coat() {
         assert!(white <= 1.001, "{white}");
     }
 }
+
+/// The medium of a volume that scatters: its colour returns from a half space, and without a colour it only absorbs.
+#[test]
+fn a_volume_scatters_by_its_colour() {
+    let p = GltfParams {
+        transmission: 1.0,
+        thickness: 1.0,
+        attenuation_color: Spectrum::splat(0.5),
+        attenuation_distance: 2.0,
+        ..Default::default()
+    };
+    assert_eq!(p.interior().expect("an inside").scatter, None);
+    let milk = GltfParams { multiscatter_color: Spectrum::rgb(1.0, 0.5, 0.0), scatter_anisotropy: 0.3, ..p };
+    let inside = milk.interior().expect("an inside");
+    let scatter = inside.scatter.expect("it scatters");
+    assert_eq!(inside.absorption, p.interior().expect("an inside").absorption);
+    assert!((inside.absorption[0] - 0.5 * core::f32::consts::LN_2).abs() < 1e-6);
+    // 1 − s² over 1 − g s² with s = 4.09712 + 4.20863 c − √(9.59217 + 41.6808 c + 17.7126 c²): 0.3144 at c = ½.
+    let s2 = (4.09712f32 + 2.104315 - (9.59217f32 + 20.8404 + 4.42815).sqrt()).powi(2);
+    let expected = [1.0, (1.0 - s2) / (1.0 - 0.3 * s2), 0.0];
+    for (lane, e) in expected.into_iter().enumerate() {
+        assert!((scatter.albedo[lane] - e).abs() < 2e-3, "{lane} {scatter:?} {e}");
+    }
+    assert_eq!(scatter.anisotropy, 0.3);
+    let clear = GltfParams { attenuation_distance: f32::INFINITY, ..milk };
+    assert_eq!(clear.interior().expect("an inside").scatter, None);
+}

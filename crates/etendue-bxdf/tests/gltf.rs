@@ -71,6 +71,8 @@ fn random(rng: &mut Rng) -> GltfParams {
         thickness: strength(rng),
         attenuation_color: colour(rng),
         attenuation_distance: 1.0,
+        multiscatter_color: colour(rng),
+        scatter_anisotropy: 2.0 * rng.uniform() - 1.0,
         iridescence: sometimes(rng),
         iridescence_ior: 1.0 + 1.5 * rng.uniform(),
         iridescence_thickness: 1200.0 * rng.uniform(),

@@ -7,18 +7,25 @@
 //! | `KHR_materials_coat` | 2534 | ac989f7a |
 //! | `KHR_materials_diffuse_roughness` | 2481 | 95c4f0db |
 //! | `KHR_materials_fuzz` | 2538 | b714616c |
+//! | `KHR_materials_volume_scatter` | 2453 | 4608553d |
 //!
 //! Where they contradict themselves: a coat that covers a part of the surface absorbs and darkens in that part (by `coatFactor` 0
 //! nothing, as the text says and its formula does not); `fuzzRoughnessFactor` is 0.5 by default, as the text says and the schema
 //! does not. `coatIor` 0 is allowed and not explained; it is taken as infinite, as `KHR_materials_ior` has it. What shines below a
 //! coat crosses it once and not twice: it is multiplied by the square root of the coat's colour, at the length of its path.
+//!
+//! Of `KHR_materials_volume_scatter` the newer name `multiscatterColorFactor` is read, and the older `multiscatterColor` and
+//! `scatterAlbedo`. The single-scattering albedo is that of its successor's text (`KHR_materials_scatter`, pull request 2579, revision
+//! 0addbb0a), which is Kulla and Conty's whole formula; the older one leaves out the anisotropy, so that a deep body would have
+//! another colour than the file says. `multiscatterColorTexture` would make one volume many and is not read, with a warning.
+//! `KHR_materials_scatter` itself is not known.
 
 use crate::document::drafts;
 use crate::error::Fault;
 use crate::extensions as ext;
 use crate::material::{LARGEST, Parts, UNIT};
 use crate::surface;
-use etendue_scene::{Clearcoat, DiffuseRoughness, Extensions, Fuzz};
+use etendue_scene::{Clearcoat, DiffuseRoughness, Extensions, Fuzz, VolumeScatter};
 use glam::Vec3;
 
 /// Adds to `out` what the drafts of the material say to whose JSON `p` points; `p` points elsewhere afterwards.
@@ -33,6 +40,11 @@ pub(crate) fn convert(d: &drafts::Drafts, out: &mut Extensions, p: &mut Parts<'_
     if let Some(e) = d.fuzz {
         at(p, ext::FUZZ);
         out.fuzz = fuzz(&e, p)?;
+    }
+    // Without an inside nothing is scattered in it.
+    if let Some(e) = d.volume_scatter.filter(|_| out.volume.is_some()) {
+        at(p, ext::VOLUME_SCATTER);
+        out.volume_scatter = volume_scatter(&e, p);
     }
     if let Some(e) = d.diffuse_roughness {
         at(p, ext::DIFFUSE_ROUGHNESS);
@@ -87,4 +99,16 @@ fn fuzz(e: &drafts::Fuzz, p: &mut Parts<'_, '_>) -> Result<Option<Fuzz>, Fault> 
         roughness: p.scalar(e.roughness, 0.5, UNIT, "fuzzRoughnessFactor"),
         roughness_texture: p.texture(e.roughness_texture, "fuzzRoughnessTexture")?,
     }))
+}
+
+fn volume_scatter(e: &drafts::VolumeScatter, p: &mut Parts<'_, '_>) -> Option<VolumeScatter> {
+    let color = p.vec3(e.color, Vec3::ZERO, UNIT, "multiscatterColorFactor");
+    if color == Vec3::ZERO {
+        return None;
+    }
+    if e.color_texture.is_some() {
+        let place = format!("{}/multiscatterColorTexture", p.pointer);
+        p.warnings.add(place, "a volume that differs from place to place is not supported; ignored");
+    }
+    Some(VolumeScatter { color, anisotropy: p.scalar(e.anisotropy, 0.0, (-1.0, 1.0), "scatterAnisotropy") })
 }

@@ -33,6 +33,7 @@ pub(crate) const TRANSMISSION: &str = "KHR_materials_transmission";
 pub(crate) const UNLIT: &str = "KHR_materials_unlit";
 pub(crate) const VARIANTS: &str = "KHR_materials_variants";
 pub(crate) const VOLUME: &str = "KHR_materials_volume";
+pub(crate) const VOLUME_SCATTER: &str = "KHR_materials_volume_scatter";
 /// May stand on anything; read where it stands on the asset.
 pub(crate) const XMP: &str = "KHR_xmp_json_ld";
 
@@ -42,7 +43,7 @@ pub(crate) const ON_BUFFER_VIEW: [&str; 2] = [EXT_MESHOPT, KHR_MESHOPT];
 pub(crate) const ON_ROOT: [&str; 4] = [LIGHTS_IES, LIGHTS_IMAGE_BASED, LIGHTS_PUNCTUAL, VARIANTS];
 pub(crate) const ON_SCENE: [&str; 1] = [LIGHTS_IMAGE_BASED];
 pub(crate) const ON_PRIMITIVE: [&str; 2] = [DRACO, VARIANTS];
-pub(crate) const ON_MATERIAL: [&str; 16] = [
+pub(crate) const ON_MATERIAL: [&str; 17] = [
     UNLIT,
     EMISSIVE_STRENGTH,
     IOR,
@@ -59,9 +60,10 @@ pub(crate) const ON_MATERIAL: [&str; 16] = [
     SPECULAR_GLOSSINESS,
     TRANSMISSION,
     VOLUME,
+    VOLUME_SCATTER,
 ];
 /// Those that describe what `etendue_scene::Extensions` holds.
-pub(crate) const ON_SURFACE: [&str; 12] = [
+pub(crate) const ON_SURFACE: [&str; 13] = [
     ANISOTROPY,
     CLEARCOAT,
     COAT,
@@ -74,6 +76,7 @@ pub(crate) const ON_SURFACE: [&str; 12] = [
     SPECULAR_GLOSSINESS,
     TRANSMISSION,
     VOLUME,
+    VOLUME_SCATTER,
 ];
 pub(crate) const ON_NODE: [&str; 4] = [LIGHTS_IES, LIGHTS_PUNCTUAL, GPU_INSTANCING, NODE_VISIBILITY];
 
@@ -126,6 +129,7 @@ const TABLE: &[(&str, Support)] = &[
     (UNLIT, Support::Full),
     (VARIANTS, Support::Full),
     (VOLUME, Support::Full),
+    (VOLUME_SCATTER, Support::Draft),
     (XMP, Support::Full),
     ("KHR_xmp", Support::Ignored),
     ("MSFT_texture_dds", Support::Refused),

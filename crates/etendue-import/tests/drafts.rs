@@ -182,3 +182,45 @@ fn drafts_are_written() {
         assert!(back.info.extensions.iter().any(|e| e.name.ends_with(name)), "{name}");
     }
 }
+
+fn milk(scatter: Value) -> Value {
+    json!({"extensions": {
+        "KHR_materials_transmission": {"transmissionFactor": 1},
+        "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 0.5, "attenuationColor": [0.5, 0.5, 0.5]},
+        "KHR_materials_volume_scatter": scatter
+    }})
+}
+
+/// Newer and older names; nothing without an inside; written with both names.
+#[test]
+fn volumes_that_scatter() {
+    let of = |i: &Imported| i.scene.materials[0].extensions.as_ref().and_then(|e| e.volume_scatter);
+    let expected = VolumeScatter { color: Vec3::new(0.1, 0.2, 0.3), anisotropy: -0.5 };
+    for name in ["multiscatterColorFactor", "multiscatterColor", "scatterAlbedo"] {
+        let i = draft(milk(json!({name: [0.1, 0.2, 0.3], "scatterAnisotropy": -0.5})));
+        assert_eq!((of(&i), i.warnings.len()), (Some(expected), 0), "{name}");
+    }
+    let i = draft(milk(json!({"multiscatterColor": [1, 1, 1], "multiscatterColorFactor": [0.1, 0.2, 0.3]})));
+    assert_eq!(of(&i).map(|v| v.color), Some(expected.color), "the newer name goes first");
+    let file = export(&i.scene, &[], &ExportOptions::default()).unwrap();
+    assert_eq!(of(&import_bytes(&file.bytes, "written", &asked()).unwrap()), of(&i));
+    assert_eq!(of(&draft(milk(json!({})))), None);
+    let alone = extended("volume_scatter", json!({"multiscatterColorFactor": [1, 1, 1]}));
+    assert_eq!(of(&draft(alone)), None);
+    let m = milk(
+        json!({"multiscatterColor": [1, 1, 1], "scatterAnisotropy": 3, "multiscatterColorTexture": {"index": 0}}),
+    );
+    let i = draft(m.clone());
+    assert_eq!(of(&i).map(|v| v.anisotropy), Some(1.0));
+    assert!(
+        warned(&i, "/materials/0/extensions/KHR_materials_volume_scatter/multiscatterColorTexture"),
+        "{:?}",
+        i.warnings
+    );
+    let i = with(m).import();
+    assert_eq!(of(&i), None);
+    assert!(warned(
+        &i,
+        "/materials/0/extensions/KHR_materials_volume_scatter: KHR_materials_volume_scatter is a draft"
+    ));
+}

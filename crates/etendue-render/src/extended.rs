@@ -75,6 +75,10 @@ pub(crate) fn factors(m: &Material) -> GltfParams {
         p.attenuation_distance = v.attenuation_distance;
         p.attenuation_color = spectrum(v.attenuation_color);
     }
+    if let Some(v) = &e.volume_scatter {
+        p.multiscatter_color = spectrum(v.color);
+        p.scatter_anisotropy = v.anisotropy;
+    }
     p
 }
 

@@ -20,6 +20,7 @@ mod light_tree;
 mod lights;
 mod lookup;
 mod media;
+mod medium;
 mod mesh_data;
 mod moments;
 mod motion;

@@ -2,7 +2,7 @@
 
 use crate::body::Body;
 use etendue_bxdf::math::exp;
-use etendue_bxdf::model::Interior;
+use etendue_bxdf::model::{Interior, Scatter};
 use etendue_color::Spectrum;
 
 /// The closed surfaces that a path has entered and not left, as their materials, in the order of entering.
@@ -76,7 +76,14 @@ impl Media {
         }
     }
 
-    /// What is left of light after a distance.
+    /// Extinction and scattering of the medium that fills the space, if it scatters.
+    #[inline]
+    pub fn scatters(&self, bodies: &[Body]) -> Option<(Spectrum, Scatter)> {
+        let m = self.current(bodies).and_then(|i| self.interior(bodies, i))?;
+        m.scatter.map(|s| (m.absorption, s))
+    }
+
+    /// What is left of light that goes straight on after a distance.
     #[inline]
     pub fn transmittance(&self, bodies: &[Body], distance: f32) -> Spectrum {
         let Some(m) = self.current(bodies).and_then(|i| self.interior(bodies, i)) else {
@@ -97,6 +104,7 @@ mod tests {
         let interior = |(i, &priority): (usize, &i32)| Interior {
             ior: 1.1 + i as f32 * 0.1,
             absorption: Spectrum::splat(i as f32),
+            scatter: None,
             priority,
             dispersive: false,
         };

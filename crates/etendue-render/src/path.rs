@@ -2,6 +2,7 @@
 
 use crate::lights::LightChoice;
 use crate::media::Media;
+use crate::medium;
 use crate::sampler::Sampler;
 use crate::scattering::Scattering;
 use crate::surface::Surface;
@@ -90,6 +91,8 @@ const MOST_LAYERS: u32 = 1024;
 const SETS_PER_BOUNCE: u32 = 2;
 const SKIN_SETS: u32 = 1 << 16;
 const ENTRY_SETS: u32 = 1 << 17;
+/// One for each way through a medium that scatters.
+const MEDIUM_SETS: u32 = 1 << 18;
 
 /// Lanes that carry light: one that a path chooses stands for all.
 const LANES: u8 = 3;
@@ -124,6 +127,8 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
     let mut decompression = 1.0f32;
     // The path left the first surface on the other side.
     let mut through = false;
+    // Ways through media that scatter.
+    let mut flights = 0;
 
     // Light found after `bounce` scatterings, worth `light` × `throughput`.
     let add = |out: &mut PathSample,
@@ -158,7 +163,7 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
         }
     };
 
-    loop {
+    'path: loop {
         let key = sampler.hash(bounce * 2);
         let mut ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
         // The camera looks through the backs of one-sided surfaces, as glTF asks for (`doubleSided`, section 3.9.6). For light,
@@ -173,9 +178,36 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
             let surface = Surface::new(world, &hit, direction);
             if WHOLE {
                 // A path that meets nothing is not inside of anything, whatever it has entered.
-                let left = media.transmittance(&world.bodies, hit.t - travelled);
-                throughput *= left;
-                diffuse_part *= left;
+                if let Some((extinction, scatter)) = media.scatters(&world.bodies) {
+                    let [pick, u, v0, v1] = sampler.get4(MEDIUM_SETS + flights);
+                    let reach = hit.t - travelled;
+                    let lanes = LANES.into();
+                    let Some(flight) = medium::fly(extinction, &scatter, throughput, lanes, reach, [pick, u])
+                    else {
+                        return out;
+                    };
+                    throughput *= flight.factor;
+                    diffuse_part *= flight.factor;
+                    if let Some(distance) = flight.event {
+                        let goes_on = medium::survival(flights, throughput.max_element() * decompression);
+                        if flight.left >= goes_on {
+                            return out;
+                        }
+                        throughput *= 1.0 / goes_on;
+                        diffuse_part *= 1.0 / goes_on;
+                        origin += direction * (travelled + distance);
+                        direction = medium::scattered(direction, scatter.anisotropy, [v0, v1]);
+                        // No light was asked for there: what is found counts fully.
+                        last = None;
+                        flights += 1;
+                        continue 'path;
+                    }
+                    flights += 1;
+                } else {
+                    let left = media.transmittance(&world.bodies, hit.t - travelled);
+                    throughput *= left;
+                    diffuse_part *= left;
+                }
                 travelled = hit.t;
                 let bounded = world.bodies[surface.material as usize].interior.is_some();
                 if bounded

@@ -53,3 +53,18 @@ impl Fuzz {
         self.factor.is_finite() && self.color.is_finite() && self.roughness.is_finite()
     }
 }
+
+/// What fills a closed surface scatters light (`KHR_materials_volume_scatter`); it is the same everywhere.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct VolumeScatter {
+    /// Linear colour of a deep body after many events; black for none.
+    pub color: Vec3,
+    /// Mean cosine of the angle by which light is turned, −1 back .. 1 straight on.
+    pub anisotropy: f32,
+}
+
+impl VolumeScatter {
+    pub(crate) fn is_finite(&self) -> bool {
+        self.color.is_finite() && self.anisotropy.is_finite()
+    }
+}

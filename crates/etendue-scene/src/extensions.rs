@@ -3,7 +3,7 @@
 //! Factors are multiplied by their textures where there are some; each field's documentation names the texture's channel.
 
 use crate::material::normal;
-use crate::{DiffuseRoughness, Fuzz, NormalTexture, TextureRef};
+use crate::{DiffuseRoughness, Fuzz, NormalTexture, TextureRef, VolumeScatter};
 use glam::Vec3;
 
 /// The extensions that a material uses; absent ones cost nothing.
@@ -31,6 +31,8 @@ pub struct Extensions {
     pub transmission: Option<Transmission>,
     /// `KHR_materials_volume`: without it the surface is an infinitely thin sheet.
     pub volume: Option<Volume>,
+    /// `KHR_materials_volume_scatter`, a draft: without it the volume absorbs all that it attenuates.
+    pub volume_scatter: Option<VolumeScatter>,
 }
 
 /// Stretched highlights.
@@ -273,6 +275,7 @@ impl Extensions {
             && self.sheen.is_none_or(|e| e.color.is_finite() && e.roughness.is_finite())
             && self.specular_glossiness.is_none_or(|e| e.specular.is_finite() && e.glossiness.is_finite())
             && self.transmission.is_none_or(|e| e.factor.is_finite())
+            && self.volume_scatter.is_none_or(|e| e.is_finite())
             && self.volume.is_none_or(|e| {
                 e.thickness.is_finite() && !e.attenuation_distance.is_nan() && e.attenuation_color.is_finite()
             })

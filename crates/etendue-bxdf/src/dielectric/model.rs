@@ -97,6 +97,7 @@ impl ModelParams for DielectricParams {
         Some(Interior {
             ior: self.ior_of(None),
             absorption: absorption::coefficient(self.absorption_color, self.absorption_distance),
+            scatter: None,
             priority: clamp(self.priority, 0.0, 100.0) as i32,
             dispersive: self.dispersion > 0.0,
         })

@@ -101,6 +101,7 @@ impl ModelParams for DisneyBsdfParams {
         passes.then(|| Interior {
             ior: index(self.ior),
             absorption: Spectrum::ZERO,
+            scatter: None,
             priority: 0,
             dispersive: false,
         })

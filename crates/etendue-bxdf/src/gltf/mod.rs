@@ -47,6 +47,11 @@
 //! diffusely (`transmission` between 0 and 1), diffuse light is multiplied by min(T(wo), T(wi)) too: total reflection makes T a
 //! step.
 //!
+//! With `multiscatter_color` above black what is attenuated is not all absorbed: `KHR_materials_volume_scatter`. The colour is that of
+//! a deep body after many events; the single-scattering albedo is Kulla and Conty's inverse of it
+//! ([`crate::openpbr::single_scattering_albedo`]), for the anisotropy that the medium has. Who follows the light finds both in
+//! [`Interior::scatter`].
+//!
 //! # The index by lane
 //! `KHR_materials_dispersion` gives red, green, blue the indices ior ∓ (ior − 1) · 0.025 · dispersion; for wavelengths the same
 //! extension's form of Cauchy's equation holds. A path that carries one lane ([`Incidence::lane`]) gets that lane's.
@@ -68,7 +73,8 @@ use crate::{
     bsdf::{Bsdf, BsdfSample, DeltaPart, Eval},
     dielectric::absorption::coefficient,
     metal_rough::MetalRough,
-    model::{Claim, Claims, Incidence, Interior, ModelParams},
+    model::{Claim, Claims, Incidence, Interior, ModelParams, Scatter},
+    openpbr::single_scattering_albedo,
     thin_film::Lanes,
 };
 use etendue_color::Spectrum;
@@ -128,10 +134,21 @@ fn ior_in_lane(p: &GltfParams, lane: Option<u8>, lanes: Lanes) -> f32 {
     (ior + (ior - 1.0) * strength * shift).max(1.0).min(LARGEST_IOR)
 }
 
+impl GltfParams {
+    /// How the volume scatters, if it does.
+    fn scatter(&self) -> Option<Scatter> {
+        let color = self.multiscatter_color.map(|c| c.max(0.0).min(1.0));
+        // At ±1 there is no density.
+        let g = self.scatter_anisotropy.max(-0.999).min(0.999);
+        (color.max_element() > 0.0)
+            .then(|| Scatter { albedo: color.map(|c| single_scattering_albedo(c, g)), anisotropy: g })
+    }
+}
+
 impl ModelParams for GltfParams {
     type Closure = Gltf;
     const ABOUT: &'static str = "glTF 2.0's surface with the KHR_materials extensions: clearcoat, coat, sheen, fuzz, \
-         transmission, volume, ior, specular, iridescence, anisotropy, dispersion, diffuse_transmission, diffuse_roughness";
+         transmission, volume, volume_scatter, ior, specular, iridescence, anisotropy, dispersion, diffuse_transmission, diffuse_roughness";
     const CLAIMS: Claims = Claims {
         reciprocal: Claim::Breaks(
             "a coat with a normal of its own meets light by its own cosine, its darkening and the fuzz follow the viewer, and \
@@ -151,9 +168,11 @@ impl ModelParams for GltfParams {
         if !(self.thickness > 0.0 && dielectric > 0.0 && (refracts || self.diffuse_transmission > 0.0)) {
             return None;
         }
+        let absorption = coefficient(self.attenuation_color, self.attenuation_distance);
         Some(Interior {
             ior: if refracts { ior_in_lane(self, None, Lanes::Rgb) } else { 1.0 },
-            absorption: coefficient(self.attenuation_color, self.attenuation_distance),
+            absorption,
+            scatter: self.scatter().filter(|_| !absorption.is_black()),
             priority: 0,
             dispersive: refracts && self.dispersion > 0.0 && self.ior != 0.0,
         })

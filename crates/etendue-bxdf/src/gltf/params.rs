@@ -58,6 +58,10 @@ parameters! {
         attenuation_color: Spectrum = Spectrum::ONE, 0.0..1.0;
         /// Metres, > 0; infinite for a clear volume.
         attenuation_distance: f32 = f32::INFINITY, 0.0..10.0;
+        /// Colour of the volume where it is deep and light is scattered in it many times; lanes 0..1, black for none.
+        multiscatter_color: Spectrum = Spectrum::ZERO, 0.0..1.0;
+        /// Mean cosine of the angle by which the volume turns light, −1 back .. 1 straight on.
+        scatter_anisotropy: f32 = 0.0, -1.0..1.0;
         /// Coverage by a thin film, 0..1.
         iridescence: f32 = 0.0, 0.0..1.0;
         /// Index of refraction of the film, ≥ 1.

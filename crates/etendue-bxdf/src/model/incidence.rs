@@ -35,13 +35,25 @@ impl Default for Incidence {
     }
 }
 
+/// How a homogeneous medium scatters what does not go straight on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scatter {
+    /// The part of it that is scattered and not absorbed: single-scattering albedo, each lane 0..1.
+    pub albedo: Spectrum,
+    /// Mean cosine of the angle by which light is turned, −1 back .. 1 straight on (Henyey, Greenstein 1941).
+    pub anisotropy: f32,
+}
+
 /// What fills the space behind a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interior {
     /// Index of refraction.
     pub ior: f32,
-    /// Absorption coefficient, per metre: light is multiplied by exp(−absorption · distance) (Bouguer, Beer, Lambert).
+    /// What goes straight on, per metre: it is multiplied by exp(−absorption · distance) (Bouguer, Beer, Lambert). What is lost is
+    /// absorbed, or scattered if `scatter` is there.
     pub absorption: Spectrum,
+    /// How it scatters; `None` if it does not.
+    pub scatter: Option<Scatter>,
     /// Where two media overlap the one with the larger priority fills the space (Schmidt, Budge 2002, "Simple Nested
     /// Dielectrics in Ray Traced Images").
     pub priority: i32,

@@ -7,7 +7,7 @@
 mod incidence;
 mod parameter;
 
-pub use incidence::{Incidence, Interior, Transport};
+pub use incidence::{Incidence, Interior, Scatter, Transport};
 pub use parameter::{Field, Parameter, ParameterError, Parameters, Value};
 
 use crate::{

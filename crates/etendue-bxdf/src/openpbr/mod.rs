@@ -81,6 +81,7 @@ impl ModelParams for OpenPbrParams {
         passes.then(|| Interior {
             ior: self.interior_ior(1.0, None),
             absorption: self.transmission_medium().absorption,
+            scatter: None,
             priority: 0,
             dispersive: self.is_dispersive(),
         })

@@ -41,12 +41,21 @@ pub(crate) struct Fuzz {
     pub roughness_texture: Option<TextureInfo>,
 }
 
+/// `KHR_materials_volume_scatter`.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct VolumeScatter {
+    pub color: Option<[f64; 3]>,
+    pub color_texture: Option<TextureInfo>,
+    pub anisotropy: Option<f64>,
+}
+
 /// All of them.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Drafts {
     pub coat: Option<Coat>,
     pub diffuse_roughness: Option<DiffuseRoughness>,
     pub fuzz: Option<Fuzz>,
+    pub volume_scatter: Option<VolumeScatter>,
 }
 
 impl Drafts {
@@ -74,6 +83,20 @@ impl Drafts {
                     },
                 })
             })?,
+            volume_scatter: r.extension(o, ext::VOLUME_SCATTER, |r, o| {
+                // The newest name first; the others are those of older revisions.
+                let mut color = None;
+                for name in ["multiscatterColorFactor", "multiscatterColor", "scatterAlbedo"] {
+                    if color.is_none() {
+                        color = r.soft(o, name, Reader::numbers);
+                    }
+                }
+                Ok(VolumeScatter {
+                    color,
+                    color_texture: r.opt(o, "multiscatterColorTexture", TextureInfo::read)?,
+                    anisotropy: r.soft(o, "scatterAnisotropy", number),
+                })
+            })?,
             fuzz: r.extension(o, ext::FUZZ, |r, o| {
                 Ok(Fuzz {
                     factor: r.soft(o, "fuzzFactor", number),
@@ -95,7 +118,10 @@ impl Drafts {
 
     /// True if there is none.
     pub fn is_empty(&self) -> bool {
-        self.coat.is_none() && self.diffuse_roughness.is_none() && self.fuzz.is_none()
+        self.coat.is_none()
+            && self.diffuse_roughness.is_none()
+            && self.fuzz.is_none()
+            && self.volume_scatter.is_none()
     }
 
     /// The numbers that the file gives, by the names of `etendue info`.
@@ -103,6 +129,7 @@ impl Drafts {
         let one = |v: Option<f64>| v.map(|v| vec![v]);
         let rough = self.diffuse_roughness.unwrap_or_default();
         let (coat, fuzz) = (self.coat.unwrap_or_default(), self.fuzz.unwrap_or_default());
+        let scatter = self.volume_scatter.unwrap_or_default();
         [
             ("coat", one(coat.factor)),
             ("coatRoughness", one(coat.roughness)),
@@ -116,6 +143,8 @@ impl Drafts {
             ("fuzz", one(fuzz.factor)),
             ("fuzzColor", fuzz.color.map(Vec::from)),
             ("fuzzRoughness", one(fuzz.roughness)),
+            ("multiscatterColor", scatter.color.map(Vec::from)),
+            ("scatterAnisotropy", one(scatter.anisotropy)),
         ]
         .into_iter()
         .filter_map(|(k, v)| Some((k, v?)))
@@ -125,6 +154,7 @@ impl Drafts {
     pub fn textures(&self) -> impl Iterator<Item = (&'static str, TextureInfo)> + use<> {
         let rough = self.diffuse_roughness.unwrap_or_default();
         let (coat, fuzz) = (self.coat.unwrap_or_default(), self.fuzz.unwrap_or_default());
+        let scatter = self.volume_scatter.unwrap_or_default();
         [
             ("coat", coat.texture),
             ("coatRoughness", coat.roughness_texture),
@@ -135,6 +165,7 @@ impl Drafts {
             ("fuzz", fuzz.texture),
             ("fuzzColor", fuzz.color_texture),
             ("fuzzRoughness", fuzz.roughness_texture),
+            ("multiscatterColor", scatter.color_texture),
         ]
         .into_iter()
         .filter_map(|(k, t)| Some((k, t?)))

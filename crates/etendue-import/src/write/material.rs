@@ -215,6 +215,7 @@ fn lit(m: &Material, w: &mut Writer<'_>, e: &mut Map<String, Value>) {
         specular_glossiness: _,
         transmission,
         volume,
+        volume_scatter,
     } = *x;
     if let Some(a) = anisotropy {
         let mut o = Object::default();
@@ -301,6 +302,14 @@ fn lit(m: &Material, w: &mut Writer<'_>, e: &mut Map<String, Value>) {
         o.number("transmissionFactor", t.factor, 0.0);
         o.some("transmissionTexture", w.texture(t.texture));
         add(ext::TRANSMISSION, o);
+    }
+    if let Some(v) = volume_scatter {
+        let mut o = Object::default();
+        o.color("multiscatterColorFactor", v.color, Vec3::ZERO);
+        // The name of older revisions, too.
+        o.color("multiscatterColor", v.color, Vec3::ZERO);
+        o.number("scatterAnisotropy", v.anisotropy, 0.0);
+        add(ext::VOLUME_SCATTER, o);
     }
     if let Some(v) = volume {
         let mut o = Object::default();
