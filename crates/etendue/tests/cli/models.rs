@@ -121,7 +121,8 @@ fn drafts_are_asked_for() {
         )
     };
     lab.write("used.gltf", rough(r#","extensionsUsed":["KHR_materials_diffuse_roughness"]"#));
-    lab.write("needed.gltf", rough(r#","extensionsRequired":["KHR_materials_diffuse_roughness"]"#));
+    let needed = r#","extensionsUsed":["KHR_materials_diffuse_roughness"],"extensionsRequired":["KHR_materials_diffuse_roughness"]"#;
+    lab.write("needed.gltf", rough(needed));
     let out = lab.ok("info used.gltf").out;
     assert!(
         out.contains("a draft: ignored without --drafts") && out.contains("ignored without --drafts ("),
