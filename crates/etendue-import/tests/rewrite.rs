@@ -332,6 +332,10 @@ fn what_is_not_there_cannot_be_kept() {
     let mut m = moving();
     m.json["meshes"][0]["primitives"][0]["indices"] = json!(99);
     assert_eq!(refused(&m, &options), m.error());
+    // What nothing shows may not come to be by what is added.
+    let mut m = moving();
+    m.push("images", json!({"bufferView": 99, "mimeType": "image/png"}));
+    assert!(refused(&m, &options).contains("buffer view 99"), "{}", refused(&m, &options));
     let mut tight = options.clone();
     tight.limits.vertices = 3;
     assert!(refused(&moving(), &tight).contains("`vertices`"), "{}", refused(&moving(), &tight));
@@ -366,7 +370,7 @@ fn what_nothing_shows_is_bounded_too() {
     let mut m = moving();
     let huge = m.push("accessors", json!({"componentType": F32, "count": 4_000_000_000u32, "type": "VEC3"}));
     let uv = m.push("accessors", json!({"componentType": F32, "count": 4_000_000_000u32, "type": "VEC2"}));
-    m.mesh(json!({"attributes": {"POSITION": huge, "NORMAL": huge, "TEXCOORD_0": uv}, "material": 0, "indices": 99}));
+    m.mesh(json!({"attributes": {"POSITION": huge, "NORMAL": huge, "TEXCOORD_0": uv}, "material": 0, "indices": uv}));
     let glb = m.glb();
     let options = ImportOptions::default();
     let again = ModelFile::from_bytes(&glb, "test.glb", &options).rewrite(Form::Binary);

@@ -103,6 +103,7 @@ pub(crate) fn rewrite(gltf: &Gltf<'_>, bytes: &[u8], form: Form) -> Result<Rewri
     let json = glb::split(bytes, &mut Warnings::default())?.json;
     let json = std::str::from_utf8(json).ok().and_then(|t| Tree::read(t.trim_start_matches('\u{feff}')));
     let Some(mut tree) = json else { return Err(Fault::invalid("", "the JSON is not UTF-8").into()) };
+    refs::check(&mut tree, &gltf.doc)?;
     let mut notes = refs::unfollowed(&tree);
     let mut changes = Changes {
         decompressed_views: gltf.doc.buffer_views.iter().filter(|v| v.compressed.is_some()).count() as u64,

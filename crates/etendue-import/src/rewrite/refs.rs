@@ -2,6 +2,8 @@
 //! have them; and what of others cannot be followed.
 
 use super::tree::{Tree, name};
+use crate::document::Document;
+use crate::error::Fault;
 use crate::extensions as ext;
 use std::collections::BTreeSet;
 
@@ -54,6 +56,22 @@ pub(super) fn each_other_view<'t>(tree: &mut Tree<'t>, see: &mut dyn FnMut(&mut 
             l.get_mut("bufferView").into_iter().for_each(&mut *see);
         }
     }
+}
+
+/// An error for numbers of accessors and views that are not there: those that are added would take them.
+pub(super) fn check(tree: &mut Tree<'_>, doc: &Document<'_>) -> Result<(), Fault> {
+    let mut wrong = None;
+    let mut see = |v: &Tree<'_>, what: &'static str, count: usize| {
+        if v.index().is_some_and(|i| i as usize >= count) {
+            wrong = v.index().map(|i| (what, i, count));
+        }
+    };
+    each_accessor(tree, &mut |v| see(v, "accessor", doc.accessors.len()));
+    each_view(tree, &mut |v| see(v, "buffer view", doc.buffer_views.len()));
+    let Some((what, i, count)) = wrong else { return Ok(()) };
+    let message =
+        format!("something refers to {what} {i}, but the file has {count}: `etendue check` says where");
+    Err(Fault::invalid("", message))
 }
 
 /// The names of all extensions that are used somewhere in `tree`.
