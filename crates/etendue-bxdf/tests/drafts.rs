@@ -1,5 +1,6 @@
 //! What drafts of extensions add to the glTF surface, beyond what `verify` asks of every model.
 
+use core::f32::consts::FRAC_1_PI;
 use etendue_bxdf::{
     Bsdf, GltfParams, MetalRough, MetalRoughParams,
     diffuse::eon::EonParams,
@@ -235,7 +236,8 @@ fn a_volume_scatters_by_its_colour() {
         ..Default::default()
     };
     assert_eq!(p.interior().expect("an inside").scatter, None);
-    let milk = GltfParams { multiscatter_color: Spectrum::rgb(1.0, 0.5, 0.0), scatter_anisotropy: 0.3, ..p };
+    let color = Spectrum::rgb(1.0, 0.5, 0.0);
+    let milk = GltfParams { scatter_strength: 1.0, multiscatter_color: color, scatter_anisotropy: 0.3, ..p };
     let inside = milk.interior().expect("an inside");
     let scatter = inside.scatter.expect("it scatters");
     assert_eq!(inside.absorption, p.interior().expect("an inside").absorption);
@@ -247,6 +249,61 @@ fn a_volume_scatters_by_its_colour() {
         assert!((scatter.albedo[lane] - e).abs() < 2e-3, "{lane} {scatter:?} {e}");
     }
     assert_eq!(scatter.anisotropy, 0.3);
+    // The strength is a factor of the colour, and leaves the boundary as it is.
+    let weak = GltfParams { scatter_strength: 0.5, multiscatter_color: color * 2.0, ..milk };
+    assert_eq!(weak.interior().expect("an inside").scatter.map(|s| s.albedo[1]), Some(scatter.albedo[1]));
+    let at = Incidence::default();
+    assert_eq!(milk.closure(&at), p.closure(&at));
     let clear = GltfParams { attenuation_distance: f32::INFINITY, ..milk };
     assert_eq!(clear.interior().expect("an inside").scatter, None);
+}
+
+/// A sheet that scatters all that enters is Lambert's, (1 + g) / 2 of it on the far side; one that scatters a part has that part of it
+/// and the rest of the clear sheet.
+#[test]
+fn a_sheet_scatters_to_both_sides() {
+    let at = Incidence::default();
+    let color = Spectrum::rgb(0.9, 0.5, 0.2);
+    let clear = GltfParams { transmission: 0.8, roughness: 0.4, ..Default::default() };
+    for g in [-1.0f32, -0.4, 0.0, 0.6, 1.0] {
+        // Nothing is mirrored, so that all enters.
+        let p = GltfParams {
+            specular: 0.0,
+            transmission: 1.0,
+            scatter_strength: 1.0,
+            multiscatter_color: color,
+            scatter_anisotropy: g,
+            ..clear
+        };
+        let c = p.closure(&at);
+        let wo = vec3a(0.3, 0.2, 0.93).normalize();
+        for side in [1.0f32, -1.0] {
+            let wi = vec3a(-0.5, 0.1, side * 0.7).normalize();
+            let e = c.eval_pdf(wo, wi);
+            let expected = color * ((1.0 + if side > 0.0 { -g } else { g }) / 2.0 * FRAC_1_PI);
+            for lane in 0..3 {
+                assert!((e.value()[lane] - expected[lane]).abs() < 1e-5, "{g} {side}: {e:?} {expected:?}");
+            }
+        }
+        // In parts: of what is mirrored and passes straight, and of what is scattered.
+        let part = |strength: f32| GltfParams {
+            scatter_strength: strength,
+            multiscatter_color: color,
+            scatter_anisotropy: g,
+            ..clear
+        };
+        let [none, some, all] = [0.0, 0.3, 1.0].map(|s| part(s).closure(&at));
+        assert_eq!(none, clear.closure(&at));
+        for wi in [vec3a(-0.5, 0.1, 0.7), vec3a(-0.35, -0.2, -0.9), vec3a(0.6, 0.5, -0.2)] {
+            let [a, b, c] = [none, some, all].map(|c| c.eval_pdf(wo, wi.normalize()).value());
+            let between = a.lerp(c, 0.3);
+            for lane in 0..3 {
+                assert!((b[lane] - between[lane]).abs() < 1e-5, "{g} {wi}: {b:?} {between:?}");
+            }
+        }
+    }
+    // A deep body's boundary and a surface that lets nothing through know nothing of it.
+    let other = GltfParams { transmission: 0.0, clearcoat: 0.5, ..clear };
+    let with = GltfParams { scatter_strength: 1.0, ..other };
+    assert_eq!(with.closure(&at), other.closure(&at));
 }

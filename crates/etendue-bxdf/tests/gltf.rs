@@ -71,6 +71,7 @@ fn random(rng: &mut Rng) -> GltfParams {
         thickness: strength(rng),
         attenuation_color: colour(rng),
         attenuation_distance: 1.0,
+        scatter_strength: sometimes(rng),
         multiscatter_color: colour(rng),
         scatter_anisotropy: 2.0 * rng.uniform() - 1.0,
         iridescence: sometimes(rng),

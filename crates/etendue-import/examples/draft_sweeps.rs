@@ -1,12 +1,12 @@
 //! Models to look at the drafts of material extensions with: rows of spheres, each row one property from one end to the other.
 //!
 //! `cargo run -p etendue-import --example draft_sweeps -- FOLDER` writes `coat.glb`, `fuzz.glb`, `diffuse_roughness.glb` and
-//! `volume_scatter.glb`; `etendue render --drafts FOLDER/coat.glb` shows one.
+//! `scatter.glb`; `etendue render --drafts FOLDER/coat.glb` shows one.
 
 use etendue_import::{ExportOptions, export};
 use etendue_scene::{
     Anisotropy, Clearcoat, DiffuseRoughness, DiffuseTransmission, Extensions, Fuzz, Instance, Material, Mesh,
-    Scene, Sheen, Transmission, Volume, VolumeScatter,
+    Scatter, Scene, Sheen, Transmission, Volume,
 };
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use std::f32::consts::{PI, TAU};
@@ -130,7 +130,7 @@ fn body(color: Vec3, density: f32, anisotropy: f32, diffuse: bool) -> Material {
             attenuation_color: Vec3::splat(0.37),
             ..Volume::default()
         }),
-        volume_scatter: Some(VolumeScatter { color, anisotropy }),
+        scatter: Some(Scatter { strength: 1.0, color, anisotropy, ..Scatter::default() }),
         ..Extensions::default()
     };
     if diffuse {
@@ -143,11 +143,29 @@ fn body(color: Vec3, density: f32, anisotropy: f32, diffuse: bool) -> Material {
 
 const SKIN: Vec3 = Vec3::new(0.8, 0.45, 0.3);
 
-const VOLUME_SCATTER: &[Row] = &[
+fn sheet_of(color: Vec3, strength: f32, anisotropy: f32) -> Material {
+    let e = Extensions {
+        transmission: Some(Transmission { factor: 1.0, texture: None }),
+        scatter: Some(Scatter { strength, color, anisotropy, ..Scatter::default() }),
+        ..Extensions::default()
+    };
+    of(Vec3::ONE, 0.0, 0.1, e)
+}
+
+const SCATTER: &[Row] = &[
     ("multiscatterColorFactor", |t| body(SKIN * t, 10.0, 0.0, false)),
     ("density", |t| body(SKIN, 0.3 * 300f32.powf(t), 0.0, false)),
     ("density, entered diffusely", |t| body(SKIN, 0.3 * 300f32.powf(t), 0.0, true)),
     ("scatterAnisotropy", |t| body(SKIN, 4.0, 1.9 * t - 0.95, false)),
+    ("scatterStrengthFactor", |t| {
+        let mut m = body(SKIN, 10.0, 0.0, false);
+        if let Some(s) = m.extensions.as_mut().and_then(|e| e.scatter.as_mut()) {
+            s.strength = t;
+        }
+        m
+    }),
+    ("scatterStrengthFactor of a sheet", |t| sheet_of(SKIN, t, 0.0)),
+    ("scatterAnisotropy of a sheet", |t| sheet_of(SKIN, 1.0, 2.0 * t - 1.0)),
 ];
 
 fn sheet(rows: &[Row]) -> Scene {
@@ -173,12 +191,9 @@ fn sheet(rows: &[Row]) -> Scene {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).ok_or("give a folder")?;
     std::fs::create_dir_all(&folder)?;
-    for (name, rows) in [
-        ("coat", COAT),
-        ("fuzz", FUZZ),
-        ("diffuse_roughness", DIFFUSE_ROUGHNESS),
-        ("volume_scatter", VOLUME_SCATTER),
-    ] {
+    for (name, rows) in
+        [("coat", COAT), ("fuzz", FUZZ), ("diffuse_roughness", DIFFUSE_ROUGHNESS), ("scatter", SCATTER)]
+    {
         let file = export(&sheet(rows), &[], &ExportOptions::default())?;
         let path = Path::new(&folder).join(format!("{name}.glb"));
         std::fs::write(&path, &file.bytes)?;

@@ -7,6 +7,7 @@
 //! | `KHR_materials_coat` | 2534 | ac989f7a |
 //! | `KHR_materials_diffuse_roughness` | 2481 | 95c4f0db |
 //! | `KHR_materials_fuzz` | 2538 | b714616c |
+//! | `KHR_materials_scatter` | 2579 | 0addbb0a |
 //! | `KHR_materials_volume_scatter` | 2453 | 4608553d |
 //!
 //! Where they contradict themselves: a coat that covers a part of the surface absorbs and darkens in that part (by `coatFactor` 0
@@ -14,18 +15,19 @@
 //! does not. `coatIor` 0 is allowed and not explained; it is taken as infinite, as `KHR_materials_ior` has it. What shines below a
 //! coat crosses it once and not twice: it is multiplied by the square root of the coat's colour, at the length of its path.
 //!
-//! Of `KHR_materials_volume_scatter` the newer name `multiscatterColorFactor` is read, and the older `multiscatterColor` and
-//! `scatterAlbedo`. The single-scattering albedo is that of its successor's text (`KHR_materials_scatter`, pull request 2579, revision
-//! 0addbb0a), which is Kulla and Conty's whole formula; the older one leaves out the anisotropy, so that a deep body would have
-//! another colour than the file says. `multiscatterColorTexture` would make one volume many and is not read, with a warning.
-//! `KHR_materials_scatter` itself is not known.
+//! `KHR_materials_scatter` is the successor of `KHR_materials_volume_scatter` and goes before it. Of the older one the newer name
+//! `multiscatterColorFactor` is read, and the older `multiscatterColor` and `scatterAlbedo`. The single-scattering albedo is that of
+//! the successor's text, which is Kulla and Conty's whole formula; the older one leaves out the anisotropy, so that a deep body would
+//! have another colour than the file says. A textured colour or strength makes of one volume many: what counts is the place where
+//! light (followed from the camera) enters. The successor needs `KHR_materials_transmission` and excludes
+//! `KHR_materials_diffuse_transmission`, beside which it is ignored; the older one goes with both.
 
 use crate::document::drafts;
 use crate::error::Fault;
 use crate::extensions as ext;
 use crate::material::{LARGEST, Parts, UNIT};
 use crate::surface;
-use etendue_scene::{Clearcoat, DiffuseRoughness, Extensions, Fuzz, VolumeScatter};
+use etendue_scene::{Clearcoat, DiffuseRoughness, Extensions, Fuzz, Scatter};
 use glam::Vec3;
 
 /// Adds to `out` what the drafts of the material say to whose JSON `p` points; `p` points elsewhere afterwards.
@@ -41,10 +43,20 @@ pub(crate) fn convert(d: &drafts::Drafts, out: &mut Extensions, p: &mut Parts<'_
         at(p, ext::FUZZ);
         out.fuzz = fuzz(&e, p)?;
     }
-    // Without an inside nothing is scattered in it.
-    if let Some(e) = d.volume_scatter.filter(|_| out.volume.is_some()) {
+    // Nothing is scattered where no light gets.
+    if let Some(e) = d.scatter {
+        at(p, ext::SCATTER);
+        let strength = p.scalar(e.strength, 0.0, UNIT, "scatterStrengthFactor");
+        if strength > 0.0 && out.diffuse_transmission.is_some() {
+            let place = p.pointer.clone();
+            p.warnings
+                .add(place, "stands beside KHR_materials_diffuse_transmission, which excludes it; ignored");
+        } else if strength > 0.0 && out.transmission.is_some() {
+            out.scatter = Some(scatter(&e, strength, Vec3::ONE, p)?);
+        }
+    } else if let Some(e) = d.volume_scatter.filter(|_| out.volume.is_some()) {
         at(p, ext::VOLUME_SCATTER);
-        out.volume_scatter = volume_scatter(&e, p);
+        out.scatter = Some(scatter(&e, 1.0, Vec3::ZERO, p)?).filter(|s| s.color != Vec3::ZERO);
     }
     if let Some(e) = d.diffuse_roughness {
         at(p, ext::DIFFUSE_ROUGHNESS);
@@ -101,14 +113,16 @@ fn fuzz(e: &drafts::Fuzz, p: &mut Parts<'_, '_>) -> Result<Option<Fuzz>, Fault> 
     }))
 }
 
-fn volume_scatter(e: &drafts::VolumeScatter, p: &mut Parts<'_, '_>) -> Option<VolumeScatter> {
-    let color = p.vec3(e.color, Vec3::ZERO, UNIT, "multiscatterColorFactor");
-    if color == Vec3::ZERO {
-        return None;
-    }
-    if e.color_texture.is_some() {
-        let place = format!("{}/multiscatterColorTexture", p.pointer);
-        p.warnings.add(place, "a volume that differs from place to place is not supported; ignored");
-    }
-    Some(VolumeScatter { color, anisotropy: p.scalar(e.anisotropy, 0.0, (-1.0, 1.0), "scatterAnisotropy") })
+/// What scatters with a strength; `color` is the default.
+fn scatter(e: &drafts::Scatter, strength: f32, color: Vec3, p: &mut Parts<'_, '_>) -> Result<Scatter, Fault> {
+    let color = p.vec3(e.color, color, UNIT, "multiscatterColorFactor");
+    // What is black whatever its textures say needs none.
+    let used = color != Vec3::ZERO;
+    Ok(Scatter {
+        strength,
+        texture: p.texture(e.texture, "scatterStrengthTexture")?,
+        color,
+        color_texture: p.texture(e.color_texture.filter(|_| used), "multiscatterColorTexture")?,
+        anisotropy: p.scalar(e.anisotropy, 0.0, (-1.0, 1.0), "scatterAnisotropy"),
+    })
 }

@@ -23,6 +23,7 @@ pub(crate) const LIGHTS_IMAGE_BASED: &str = "EXT_lights_image_based";
 pub(crate) const LIGHTS_PUNCTUAL: &str = "KHR_lights_punctual";
 pub(crate) const MESH_QUANTIZATION: &str = "KHR_mesh_quantization";
 pub(crate) const NODE_VISIBILITY: &str = "KHR_node_visibility";
+pub(crate) const SCATTER: &str = "KHR_materials_scatter";
 pub(crate) const SHEEN: &str = "KHR_materials_sheen";
 pub(crate) const SPECULAR: &str = "KHR_materials_specular";
 pub(crate) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
@@ -43,7 +44,7 @@ pub(crate) const ON_BUFFER_VIEW: [&str; 2] = [EXT_MESHOPT, KHR_MESHOPT];
 pub(crate) const ON_ROOT: [&str; 4] = [LIGHTS_IES, LIGHTS_IMAGE_BASED, LIGHTS_PUNCTUAL, VARIANTS];
 pub(crate) const ON_SCENE: [&str; 1] = [LIGHTS_IMAGE_BASED];
 pub(crate) const ON_PRIMITIVE: [&str; 2] = [DRACO, VARIANTS];
-pub(crate) const ON_MATERIAL: [&str; 17] = [
+pub(crate) const ON_MATERIAL: [&str; 18] = [
     UNLIT,
     EMISSIVE_STRENGTH,
     IOR,
@@ -56,6 +57,7 @@ pub(crate) const ON_MATERIAL: [&str; 17] = [
     DISPERSION,
     FUZZ,
     IRIDESCENCE,
+    SCATTER,
     SHEEN,
     SPECULAR_GLOSSINESS,
     TRANSMISSION,
@@ -63,7 +65,7 @@ pub(crate) const ON_MATERIAL: [&str; 17] = [
     VOLUME_SCATTER,
 ];
 /// Those that describe what `etendue_scene::Extensions` holds.
-pub(crate) const ON_SURFACE: [&str; 13] = [
+pub(crate) const ON_SURFACE: [&str; 14] = [
     ANISOTROPY,
     CLEARCOAT,
     COAT,
@@ -72,6 +74,7 @@ pub(crate) const ON_SURFACE: [&str; 13] = [
     DISPERSION,
     FUZZ,
     IRIDESCENCE,
+    SCATTER,
     SHEEN,
     SPECULAR_GLOSSINESS,
     TRANSMISSION,
@@ -119,6 +122,7 @@ const TABLE: &[(&str, Support)] = &[
     (LIGHTS_PUNCTUAL, Support::Full),
     (MESH_QUANTIZATION, Support::Full),
     (NODE_VISIBILITY, Support::Full),
+    (SCATTER, Support::Draft),
     (SHEEN, Support::Full),
     (SPECULAR, Support::Full),
     (SPECULAR_GLOSSINESS, Support::Full),

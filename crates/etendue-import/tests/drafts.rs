@@ -183,44 +183,113 @@ fn drafts_are_written() {
     }
 }
 
-fn milk(scatter: Value) -> Value {
+/// A body, or without `thickness` a sheet, with a draft of scattering.
+fn milk(name: &str, thickness: f32, scatter: Value) -> Value {
     json!({"extensions": {
         "KHR_materials_transmission": {"transmissionFactor": 1},
-        "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 0.5, "attenuationColor": [0.5, 0.5, 0.5]},
-        "KHR_materials_volume_scatter": scatter
+        "KHR_materials_volume": {"thicknessFactor": thickness, "attenuationDistance": 0.5, "attenuationColor": [0.5, 0.5, 0.5]},
+        format!("KHR_materials_{name}"): scatter
     }})
 }
 
-/// Newer and older names; nothing without an inside; written with both names.
+fn scatter_of(i: &Imported) -> Option<Scatter> {
+    i.scene.materials[0].extensions.as_ref().and_then(|e| e.scatter)
+}
+
+/// What is written of it is read as the same.
+fn written_again(i: &Imported) -> Imported {
+    let file = export(&i.scene, &i.image_files, &ExportOptions::default()).unwrap();
+    let back = import_bytes(&file.bytes, "written", &asked()).unwrap();
+    assert_eq!(back.scene.materials[0].extensions, i.scene.materials[0].extensions);
+    back
+}
+
+/// Newer and older names of the older draft; nothing without an inside.
 #[test]
 fn volumes_that_scatter() {
-    let of = |i: &Imported| i.scene.materials[0].extensions.as_ref().and_then(|e| e.volume_scatter);
-    let expected = VolumeScatter { color: Vec3::new(0.1, 0.2, 0.3), anisotropy: -0.5 };
-    for name in ["multiscatterColorFactor", "multiscatterColor", "scatterAlbedo"] {
-        let i = draft(milk(json!({name: [0.1, 0.2, 0.3], "scatterAnisotropy": -0.5})));
-        assert_eq!((of(&i), i.warnings.len()), (Some(expected), 0), "{name}");
+    let name = "volume_scatter";
+    let color = Vec3::new(0.1, 0.2, 0.3);
+    let expected = Scatter { strength: 1.0, color, anisotropy: -0.5, ..Scatter::default() };
+    for key in ["multiscatterColorFactor", "multiscatterColor", "scatterAlbedo"] {
+        let i = draft(milk(name, 1.0, json!({key: [0.1, 0.2, 0.3], "scatterAnisotropy": -0.5})));
+        assert_eq!((scatter_of(&i), i.warnings.len()), (Some(expected), 0), "{key}");
     }
-    let i = draft(milk(json!({"multiscatterColor": [1, 1, 1], "multiscatterColorFactor": [0.1, 0.2, 0.3]})));
-    assert_eq!(of(&i).map(|v| v.color), Some(expected.color), "the newer name goes first");
-    let file = export(&i.scene, &[], &ExportOptions::default()).unwrap();
-    assert_eq!(of(&import_bytes(&file.bytes, "written", &asked()).unwrap()), of(&i));
-    assert_eq!(of(&draft(milk(json!({})))), None);
-    let alone = extended("volume_scatter", json!({"multiscatterColorFactor": [1, 1, 1]}));
-    assert_eq!(of(&draft(alone)), None);
-    let m = milk(
-        json!({"multiscatterColor": [1, 1, 1], "scatterAnisotropy": 3, "multiscatterColorTexture": {"index": 0}}),
-    );
+    let both = json!({"multiscatterColor": [1, 1, 1], "multiscatterColorFactor": [0.1, 0.2, 0.3]});
+    let i = draft(milk(name, 1.0, both));
+    assert_eq!(scatter_of(&i).map(|v| v.color), Some(color), "the newer name goes first");
+    written_again(&i);
+    assert_eq!(scatter_of(&draft(milk(name, 1.0, json!({})))), None);
+    assert_eq!(scatter_of(&draft(milk(name, 0.0, json!({"multiscatterColorFactor": [1, 1, 1]})))), None);
+    let alone = extended(name, json!({"multiscatterColorFactor": [1, 1, 1]}));
+    assert_eq!(scatter_of(&draft(alone)), None);
+    let textured = json!({"multiscatterColor": [1, 1, 1], "scatterAnisotropy": 3, "multiscatterColorTexture": texture()});
+    let m = milk(name, 1.0, textured);
     let i = draft(m.clone());
-    assert_eq!(of(&i).map(|v| v.anisotropy), Some(1.0));
-    assert!(
-        warned(&i, "/materials/0/extensions/KHR_materials_volume_scatter/multiscatterColorTexture"),
-        "{:?}",
-        i.warnings
-    );
+    let s = scatter_of(&i).unwrap();
+    assert_eq!((s.anisotropy, s.color_texture), (1.0, arrived()));
     let i = with(m).import();
-    assert_eq!(of(&i), None);
+    assert_eq!(scatter_of(&i), None);
     assert!(warned(
         &i,
         "/materials/0/extensions/KHR_materials_volume_scatter: KHR_materials_volume_scatter is a draft"
     ));
+    // Beside diffuse transmission it is written by its older name, with the strength in the colour.
+    let mut m = milk(name, 1.0, json!({"multiscatterColorFactor": [0.1, 0.2, 0.3]}));
+    m["extensions"]["KHR_materials_diffuse_transmission"] = json!({"diffuseTransmissionFactor": 1});
+    let mut i = draft(m);
+    assert_eq!(scatter_of(&i).map(|s| s.color), Some(color));
+    written_again(&i);
+    i.scene.materials[0].extensions.as_mut().unwrap().scatter.as_mut().unwrap().strength = 0.5;
+    let file = export(&i.scene, &[], &ExportOptions::default()).unwrap();
+    let back = scatter_of(&import_bytes(&file.bytes, "written", &asked()).unwrap()).unwrap();
+    assert_eq!((back.strength, back.color), (1.0, color * 0.5));
+}
+
+/// The newer draft: every field, in a body and in a sheet, its defaults, and what it does not go with.
+#[test]
+fn light_that_enters_is_scattered() {
+    let name = "scatter";
+    let all = json!({
+        "scatterStrengthFactor": 0.5, "scatterStrengthTexture": texture(), "multiscatterColorFactor": [0.1, 0.2, 0.3],
+        "multiscatterColorTexture": texture(), "scatterAnisotropy": -0.5
+    });
+    let color = Vec3::new(0.1, 0.2, 0.3);
+    let (texture, none) = (arrived(), Scatter::default());
+    let expected = Scatter { strength: 0.5, texture, color, color_texture: texture, anisotropy: -0.5 };
+    for thickness in [0.0, 1.0] {
+        let i = draft(milk(name, thickness, all.clone()));
+        assert_eq!((scatter_of(&i), i.warnings.len()), (Some(expected), 0), "{:?}", i.warnings);
+        let back = written_again(&i);
+        assert!(back.info.extensions.iter().any(|e| e.name == "KHR_materials_scatter"));
+        let i = draft(milk(name, thickness, json!({"scatterStrengthFactor": 1})));
+        assert_eq!(scatter_of(&i), Some(Scatter { strength: 1.0, ..none }));
+        // Of no strength by default.
+        assert_eq!(
+            scatter_of(&draft(milk(name, thickness, json!({"multiscatterColorFactor": color.to_array()})))),
+            None
+        );
+        let i = with(milk(name, thickness, all.clone())).import();
+        assert_eq!(scatter_of(&i), None);
+        assert!(warned(
+            &i,
+            "/materials/0/extensions/KHR_materials_scatter: KHR_materials_scatter is a draft"
+        ));
+    }
+    // Without a way in.
+    assert_eq!(scatter_of(&draft(extended(name, all.clone()))), None);
+    // It goes before the older one, also where it says that there is none.
+    let mut m = milk(name, 1.0, all.clone());
+    m["extensions"]["KHR_materials_volume_scatter"] = json!({"multiscatterColorFactor": [1, 1, 1]});
+    assert_eq!(scatter_of(&draft(m.clone())), Some(expected));
+    m["extensions"]["KHR_materials_scatter"] = json!({});
+    assert_eq!(scatter_of(&draft(m)), None);
+    // What excludes it.
+    let mut m = milk(name, 1.0, all);
+    m["extensions"]["KHR_materials_diffuse_transmission"] = json!({"diffuseTransmissionFactor": 0.5});
+    let i = draft(m);
+    assert_eq!(scatter_of(&i), None);
+    assert!(warned(&i, "/materials/0/extensions/KHR_materials_scatter: stands beside"), "{:?}", i.warnings);
+    let i = draft(milk(name, 1.0, json!({"scatterStrengthFactor": 7, "scatterAnisotropy": -2})));
+    assert!(warned(&i, "/materials/0/extensions/KHR_materials_scatter: scatterStrengthFactor outside 0..1"));
+    assert_eq!(scatter_of(&i), Some(Scatter { strength: 1.0, anisotropy: -1.0, ..none }));
 }

@@ -430,11 +430,11 @@ fn every_parameter_of_a_material_has_a_key() {
             diffuse_transmission: Some(Default::default()),
             fuzz: Some(Default::default()),
             iridescence: Some(Default::default()),
+            scatter: Some(Default::default()),
             sheen: Some(Default::default()),
             specular_glossiness: Some(Default::default()),
             transmission: Some(Default::default()),
             volume: Some(Default::default()),
-            volume_scatter: Some(Default::default()),
             ..Default::default()
         })),
         ..Material::default()
@@ -462,7 +462,7 @@ fn every_parameter_of_a_material_has_a_key() {
         ("specular_glossiness", "glossiness"),
         ("texture", "transmission_texture"),
         ("volume", "thickness"),
-        ("volume_scatter", "multiscatter_color"),
+        ("scatter", "scatter_strength"),
     ];
     for f in fields {
         let key = under_another_name.iter().find(|(a, _)| *a == f).map_or(f, |(_, k)| k);

@@ -58,6 +58,7 @@ mod polygon;
 pub mod preset;
 pub mod shade;
 pub mod sky_light;
+mod slab;
 mod surface;
 pub mod terms;
 mod transmit;

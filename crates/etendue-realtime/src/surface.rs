@@ -160,17 +160,13 @@ impl Surface {
             Some(film) => (film.over(f0, 1.0), film.average(&schlick)),
         };
         let passing = Passing::new(p, roughness, &gloss, inputs.front);
-        let rest = dielectric * (1.0 - unit(p.transmission));
-        let far = unit(p.diffuse_transmission);
-        let far_color = p.diffuse_transmission_color.map(unit);
-        let share = [rest * (1.0 - far), rest * far];
+        let deep = passing.as_ref().and_then(|t| t.scattered(p));
+        let sides = p.matte(deep.unwrap_or_else(|| p.scattered_by_sheet()));
         let roughness = unit(p.diffuse_roughness);
-        let rough = (roughness > 0.0).then(|| {
-            let lobe = |color: Spectrum, share: f32| Eon::new(color, roughness).scaled(share);
-            [lobe(base_color, share[0]), lobe(far_color, share[1])]
-        });
+        let rough =
+            (roughness > 0.0).then(|| sides.map(|(color, share)| Eon::new(color, roughness).scaled(share)));
         let matte = match &rough {
-            None => [base_color * share[0], far_color * share[1]],
+            None => sides.map(|(color, share)| color * share),
             Some(lobes) => lobes.map(|l| l.reflected(wo.z)),
         };
         // Coat and fibres lie outside of a volume that is seen from inside.

@@ -2,14 +2,16 @@
 //!
 //! A surface without thickness is a sheet: light goes on in its direction, blurred by the lobe turned over to the far side. One with
 //! thickness is refracted as by a sphere of that diameter, in at the point and out on its far side, because a rasteriser does not
-//! know the body's form: exact for spheres, near for what is round. Where something knows the scene behind ([`crate::Around`]) it is
-//! asked with the ray that leaves; the sky is seen by samples.
+//! know the body's form: exact for spheres, near for what is round. What is scattered in it (`KHR_materials_scatter`) comes out as
+//! from a plate of that thickness ([`crate::slab`]). Where something knows the scene behind ([`crate::Around`]) it is asked with the ray
+//! that leaves; the sky is seen by samples.
 
 use crate::around::{Around, Behind};
 use crate::choices::{Choices, Masking, Refraction};
 use crate::gloss::{Draws, Gloss, lattice, samples, to_world};
 use crate::inputs::Inputs;
 use crate::lighting::Lighting;
+use crate::slab::{inner_reflectance, plate};
 use crate::surface::{Surface, table, unit};
 use etendue_bxdf::GltfParams;
 use etendue_bxdf::dielectric::absorption::{coefficient, transmittance};
@@ -68,7 +70,7 @@ impl Passing {
         Some(Self {
             gloss: Gloss::new(gloss.wo, alpha),
             roughness: roughness * scale,
-            tint: p.base_color.map(unit) * part,
+            tint: p.base_color.map(unit) * (part * (1.0 - p.sheet_scatter())),
             thickness,
             iors,
             absorption: coefficient(p.attenuation_color, p.attenuation_distance),
@@ -80,6 +82,26 @@ impl Passing {
     #[inline]
     pub fn is_solid(&self) -> bool {
         self.thickness > 0.0
+    }
+
+    /// What of the light that enters the body comes out diffusely at the point and on the far side: colours and shares. `None` if
+    /// nothing is scattered in it, or it is seen from inside.
+    pub fn scattered(&self, p: &GltfParams) -> Option<[(Spectrum, f32); 2]> {
+        let scatter = p.scatter().filter(|_| self.front && self.is_solid() && !self.absorption.is_black())?;
+        let k = inner_reflectance(self.iors[1]);
+        let mut out = [Spectrum::ZERO; 2];
+        for lane in 0..3 {
+            let color = unit(p.scatter_strength) * unit(p.multiscatter_color[lane]);
+            let optical = self.absorption[lane] * self.thickness;
+            let scattering = optical * scatter.albedo[lane] * (1.0 - scatter.anisotropy);
+            let [near, far] = plate(color, scattering, k);
+            // What is not scattered is seen through the body.
+            [out[0][lane], out[1][lane]] = [near, (far - (-optical).exp()).max(0.0)];
+        }
+        Some(out.map(|c| {
+            let share = c.max_element();
+            if share > 0.0 { (c * (1.0 / share), share) } else { (c, 0.0) }
+        }))
     }
 
     /// The lobe of what passes a sheet, turned over to the near side.

@@ -70,7 +70,21 @@ fn drafts(rng: &mut Rng) -> Vec<(&'static str, GltfParams)> {
         ..varnish
     };
     let rough = GltfParams { diffuse_roughness: u(), metallic: 0.0, clearcoat: 0.0, ..base };
-    vec![("varnish", varnish), ("brushed coat", brushed), ("fuzz", fuzz), ("rough diffuse", rough)]
+    let sheet = GltfParams {
+        transmission: u(),
+        metallic: 0.0,
+        scatter_strength: u(),
+        multiscatter_color: Spectrum::rgb(u(), u(), u()),
+        scatter_anisotropy: 2.0 * u() - 1.0,
+        ..base
+    };
+    vec![
+        ("varnish", varnish),
+        ("brushed coat", brushed),
+        ("fuzz", fuzz),
+        ("rough diffuse", rough),
+        ("sheet that scatters", sheet),
+    ]
 }
 
 type Surfaces = fn(&mut Rng) -> Vec<(&'static str, GltfParams)>;
@@ -232,6 +246,9 @@ fn any_input_gives_a_number() {
                 thickness: pick(),
                 attenuation_color: Spectrum::rgb(pick(), pick(), pick()),
                 attenuation_distance: pick(),
+                scatter_strength: pick(),
+                multiscatter_color: Spectrum::rgb(pick(), pick(), pick()),
+                scatter_anisotropy: pick(),
                 iridescence: pick(),
                 iridescence_ior: pick(),
                 iridescence_thickness: pick(),

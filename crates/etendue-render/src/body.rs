@@ -28,6 +28,8 @@ pub(crate) struct Body {
     pub interior: Option<Interior>,
     /// Light can come from behind.
     pub passes: bool,
+    /// What fills it scatters otherwise where light enters elsewhere.
+    pub mottled: bool,
     /// Its lobes have a direction within the surface.
     pub directed: bool,
     /// Light travels under the surface.
@@ -45,16 +47,20 @@ impl Body {
                 kind: Kind::Model,
                 interior: model.interior(),
                 passes,
+                mottled: false,
                 directed: true,
                 skin: model.subsurface().map(|p| Skin::new(&p)),
             };
         }
         let Some(e) = &m.extensions else { return Self::default() };
         let passes = e.transmission.is_some() || e.diffuse_transmission.is_some();
+        let interior = passes.then(|| interior(m)).flatten();
+        let mottled = e.scatter.is_some_and(|s| s.texture.is_some() || s.color_texture.is_some());
         Self {
             kind: Kind::Extended,
-            interior: passes.then(|| interior(m)).flatten(),
+            interior,
             passes,
+            mottled: mottled && interior.is_some_and(|i| i.scatter.is_some()),
             skin: None,
             directed: e.anisotropy.is_some()
                 || e.clearcoat.is_some_and(|c| c.normal_texture.is_some() || c.anisotropy.strength > 0.0),
@@ -62,7 +68,7 @@ impl Body {
     }
 }
 
-/// What fills a glTF body; the same everywhere in it, whatever its textures say of the surface.
+/// What fills a glTF body; the same everywhere in it, whatever its textures say of the surface, but for what [`Body::mottled`] says.
 fn interior(m: &Material) -> Option<Interior> {
     let mut p = extended::factors(m);
     if m.metallic_roughness_texture.is_some() {

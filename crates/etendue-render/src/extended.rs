@@ -8,7 +8,7 @@ use etendue_bxdf::gltf::GltfParams;
 use etendue_bxdf::math::sin_cos_tau;
 use etendue_bxdf::model::{Closure, Incidence, ModelParams};
 use etendue_color::Spectrum;
-use etendue_scene::{Anisotropy, Extensions, Material, Substitute, TextureRef};
+use etendue_scene::{Anisotropy, Extensions, Material, Scatter, Substitute, TextureRef};
 use etendue_trace::Hit;
 use glam::{Vec3, Vec3A, Vec4};
 
@@ -75,9 +75,10 @@ pub(crate) fn factors(m: &Material) -> GltfParams {
         p.attenuation_distance = v.attenuation_distance;
         p.attenuation_color = spectrum(v.attenuation_color);
     }
-    if let Some(v) = &e.volume_scatter {
-        p.multiscatter_color = spectrum(v.color);
-        p.scatter_anisotropy = v.anisotropy;
+    if let Some(s) = &e.scatter {
+        p.scatter_strength = s.strength;
+        p.multiscatter_color = spectrum(s.color);
+        p.scatter_anisotropy = s.anisotropy;
     }
     p
 }
@@ -125,6 +126,15 @@ impl Surface {
             look.surface.turn(world, hit, e, &mut p);
         }
         p
+    }
+
+    /// How the body scatters that light enters here: its textures are those of the surface at that place.
+    pub fn entered(&mut self, world: &World, hit: &Hit) -> Option<etendue_bxdf::model::Scatter> {
+        let m = &world.scene.materials[self.material as usize];
+        let s = m.extensions.as_ref()?.scatter.as_ref()?;
+        let mut p = factors(m);
+        (Look { surface: self, world, hit }).scatter(s, &mut p);
+        p.scatter()
     }
 
     /// Turns the frame to the direction of anisotropy, and finds the coat's normal and direction in it.
@@ -183,6 +193,13 @@ impl Look<'_> {
         t.as_ref().map(|t| self.surface.lookup.srgb(self.world, mesh, t))
     }
 
+    fn scatter(&mut self, s: &Scatter, p: &mut GltfParams) {
+        p.scatter_strength *= self.linear(&s.texture).map_or(1.0, |s| s.w);
+        if let Some(c) = self.srgb(&s.color_texture) {
+            p.multiscatter_color *= spectrum(c.truncate());
+        }
+    }
+
     /// Multiplies the extensions' factors by their textures.
     fn layers(&mut self, e: &Extensions, p: &mut GltfParams) {
         if let Some(c) = &e.clearcoat {
@@ -213,6 +230,9 @@ impl Look<'_> {
             if let Some(s) = self.linear(&i.thickness_texture) {
                 p.iridescence_thickness = i.thickness[0] + (i.thickness[1] - i.thickness[0]) * s.y;
             }
+        }
+        if let Some(s) = &e.scatter {
+            self.scatter(s, p);
         }
         if let Some(s) = &e.sheen {
             if let Some(c) = self.srgb(&s.color_texture) {

@@ -13,6 +13,8 @@ use etendue_color::Spectrum;
 pub(crate) struct Media {
     materials: [u32; MOST],
     count: u8,
+    /// The mottled body that was entered last, and how it scatters there (`None`: not at all).
+    mottled: Option<(u32, Option<Scatter>)>,
 }
 
 /// Overlapping bodies that a path can be inside of; further ones are taken for empty.
@@ -79,8 +81,19 @@ impl Media {
     /// Extinction and scattering of the medium that fills the space, if it scatters.
     #[inline]
     pub fn scatters(&self, bodies: &[Body]) -> Option<(Spectrum, Scatter)> {
-        let m = self.current(bodies).and_then(|i| self.interior(bodies, i))?;
-        m.scatter.map(|s| (m.absorption, s))
+        let at = self.current(bodies)?;
+        let m = self.interior(bodies, at)?;
+        let scatter = match self.mottled {
+            Some((material, there)) if material == self.materials[at] => there,
+            _ => m.scatter,
+        };
+        scatter.map(|s| (m.absorption, s))
+    }
+
+    /// The path has entered a mottled body where it scatters so.
+    #[inline]
+    pub fn enter_mottled(&mut self, material: u32, scatter: Option<Scatter>) {
+        self.mottled = Some((material, scatter));
     }
 
     /// What is left of light that goes straight on after a distance.

@@ -1,4 +1,4 @@
-//! Light that is scattered on its way through a body (`KHR_materials_volume_scatter`).
+//! Light that is scattered on its way through a body (`KHR_materials_scatter`).
 //!
 //! A path flies through a homogeneous medium until it meets the body's border or an event. How far is drawn from the exponential law
 //! of one lane, chosen in proportion to what the path carries in it; the value is divided by the density over all lanes (the

@@ -405,6 +405,9 @@ pub(crate) fn trace<const LAYERS: bool, const WHOLE: bool>(
         if passes && !above {
             if body.interior.is_some() {
                 media.cross(surface.material, surface.front);
+                if body.mottled && surface.front {
+                    media.enter_mottled(surface.material, surface.entered(world, &hit));
+                }
             }
             let eta = closure.refraction().unwrap_or(1.0);
             decompression *= eta * eta;

@@ -1,11 +1,14 @@
 //! Light that is scattered in bodies, against an independent walk and against what must come out.
 mod common;
 use common::*;
+use etendue_image::{Image, Pixels};
 use etendue_render::World;
 use etendue_scene::{
-    DiffuseTransmission, Extensions, Material, Mesh, Scene, Transmission, Volume, VolumeScatter,
+    DiffuseTransmission, Extensions, Material, Mesh, Scatter, Scene, Texture, TextureRef, Transmission,
+    Volume,
 };
-use glam::Vec3;
+use glam::{Vec2, Vec3};
+use std::sync::Arc;
 
 /// A white body that scatters: light is attenuated to `attenuation` over a metre, of which `color` comes back from a deep one.
 fn body(attenuation: Vec3, color: Vec3, anisotropy: f32, entrance: Extensions) -> Material {
@@ -21,7 +24,7 @@ fn body(attenuation: Vec3, color: Vec3, anisotropy: f32, entrance: Extensions) -
                 attenuation_color: attenuation,
                 ..Volume::default()
             }),
-            volume_scatter: Some(VolumeScatter { color, anisotropy }),
+            scatter: Some(Scatter { strength: 1.0, color, anisotropy, ..Scatter::default() }),
             ..entrance
         })),
         ..Material::default()
@@ -156,4 +159,75 @@ fn a_slab_returns_what_an_independent_walk_does() {
             assert!(found > 0.0 && found < 1.0);
         }
     }
+}
+
+/// A sheet that scatters and absorbs nothing is not seen under an even sky, whatever part of the light it scatters and where to. (What
+/// goes straight through a rough sheet loses light between the facets.)
+#[test]
+fn a_white_sheet_vanishes() {
+    for (strength, anisotropy, roughness) in
+        [(1.0f32, 0.0f32, 0.5f32), (0.4, 0.7, 0.0), (0.8, -0.9, 0.0), (1.0, -0.4, 0.8)]
+    {
+        let scatter = Scatter { strength, anisotropy, ..Scatter::default() };
+        let e = Extensions { scatter: Some(scatter), ..clear() };
+        let m = Material { roughness, extensions: Some(Box::new(e)), ..lambert(1.0) };
+        let mut s = Scene { environment: sky(1.0), ..Scene::default() };
+        add(&mut s, sphere(Vec3::ZERO, 1.0, 16, false), m);
+        let w = World::new(s).expect("sound");
+        let film = render(&w, &parallel(Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0), 1.2), &settings(16, 4096), 64);
+        for lane in 0..3 {
+            let (mean, error) = lane_mean(&film, lane);
+            println!("{strength} {anisotropy} {roughness}, lane {lane}: {mean:.5} ± {error:.5}");
+            assert!((mean - 1.0).abs() < 4.0 * error + 5e-3, "{strength} {lane}: {mean} ± {error}");
+        }
+    }
+}
+
+/// A texture of `width` texels.
+fn strip(scene: &mut Scene, width: u32, bytes: &[u8]) -> TextureRef {
+    scene.images.push(Arc::new(Image { width, height: 1, channels: 4, pixels: Pixels::U8(bytes.to_vec()) }));
+    scene.textures.push(Texture { image: scene.images.len() as u32 - 1, sampler: Default::default() });
+    TextureRef::new(scene.textures.len() as u32 - 1)
+}
+
+/// Textures of a body's scattering are factors of it, taken where light enters.
+#[test]
+fn bodies_are_mottled() {
+    let film = |texels: Option<(u32, &[u8])>, strength: f32, color: Vec3| {
+        let mut s = Scene { environment: sky(1.0), ..Scene::default() };
+        let mut m = Material { ior: 1.0, specular: 0.0, ..body(Vec3::splat(1e-3), color, 0.0, clear()) };
+        let texture = texels.map(|(width, bytes)| strip(&mut s, width, bytes));
+        if let Some(scatter) = m.extensions.as_mut().and_then(|e| e.scatter.as_mut()) {
+            *scatter = Scatter { strength, texture, color_texture: texture, ..*scatter };
+        }
+        let mut mesh = plate(2.0, 1.5);
+        mesh.uvs = vec![mesh.positions.iter().map(|p| Vec2::new(0.5 + 0.25 * p.x, 0.5)).collect()];
+        add(&mut s, mesh, m);
+        let w = World::new(s).expect("sound");
+        render(&w, &parallel(Vec3::ZERO, Vec3::Y, 1.5), &settings(16, 64), 64)
+    };
+    // Full and no red, green, blue, and a strength of 128 / 255.
+    let strength = 128.0 / 255.0;
+    let even = film(Some((1, &[255, 0, 255, 128])), 1.0, Vec3::new(0.8, 0.7, 0.2));
+    let same = film(None, strength, Vec3::new(0.8, 0.0, 0.2));
+    assert_eq!(even.beauty(), same.beauty());
+    // Of two halves each is as bright as a body of its own colour; light that enters in one leaves in the other with its colour.
+    let halves: Vec<u8> = (0..8).flat_map(|i| if i < 4 { [255; 4] } else { [0, 0, 0, 255] }).collect();
+    let both = film(Some((8, &halves)), 1.0, Vec3::ONE);
+    let sides = |film: &etendue_render::Film| {
+        let mut sums = [0.0f64; 2];
+        for (i, p) in film.beauty().iter().enumerate() {
+            // Rows, for the picture is turned; away from where texels are mixed.
+            match i / 16 {
+                0..3 => sums[0] += f64::from(p[1]) / 48.0,
+                13.. => sums[1] += f64::from(p[1]) / 48.0,
+                _ => {}
+            }
+        }
+        sums
+    };
+    let (mottled, white) = (sides(&both), sides(&film(None, 1.0, Vec3::ONE)));
+    println!("{mottled:?} of {white:?}");
+    let (dark, bright) = (mottled[0].min(mottled[1]), mottled[0].max(mottled[1]));
+    assert!(dark < 0.01 && (bright / white[0] - 1.0).abs() < 0.05, "{mottled:?} of {white:?}");
 }

@@ -54,17 +54,31 @@ impl Fuzz {
     }
 }
 
-/// What fills a closed surface scatters light (`KHR_materials_volume_scatter`); it is the same everywhere.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct VolumeScatter {
-    /// Linear colour of a deep body after many events; black for none.
+/// Light that enters is scattered (`KHR_materials_scatter`): in the volume behind the surface, or, without one, by the sheet that
+/// the surface is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scatter {
+    /// Part of what enters a sheet that is scattered; of a volume a factor of the colour. 0..1.
+    pub strength: f32,
+    /// Strength in A.
+    pub texture: Option<TextureRef>,
+    /// Linear: of a deep body after many events; of a sheet what it returns and lets through together.
     pub color: Vec3,
-    /// Mean cosine of the angle by which light is turned, −1 back .. 1 straight on.
+    /// sRGB.
+    pub color_texture: Option<TextureRef>,
+    /// Mean cosine of the angle by which an event turns light, −1 back .. 1 straight on; (1 + anisotropy) / 2 of what a sheet scatters
+    /// comes out on its far side.
     pub anisotropy: f32,
 }
 
-impl VolumeScatter {
+impl Default for Scatter {
+    fn default() -> Self {
+        Self { strength: 0.0, texture: None, color: Vec3::ONE, color_texture: None, anisotropy: 0.0 }
+    }
+}
+
+impl Scatter {
     pub(crate) fn is_finite(&self) -> bool {
-        self.color.is_finite() && self.anisotropy.is_finite()
+        self.strength.is_finite() && self.color.is_finite() && self.anisotropy.is_finite()
     }
 }

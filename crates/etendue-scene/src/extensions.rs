@@ -3,7 +3,7 @@
 //! Factors are multiplied by their textures where there are some; each field's documentation names the texture's channel.
 
 use crate::material::normal;
-use crate::{DiffuseRoughness, Fuzz, NormalTexture, TextureRef, VolumeScatter};
+use crate::{DiffuseRoughness, Fuzz, NormalTexture, Scatter, TextureRef};
 use glam::Vec3;
 
 /// The extensions that a material uses; absent ones cost nothing.
@@ -23,6 +23,8 @@ pub struct Extensions {
     pub fuzz: Option<Fuzz>,
     /// `KHR_materials_iridescence`.
     pub iridescence: Option<Iridescence>,
+    /// `KHR_materials_scatter` or `KHR_materials_volume_scatter`, drafts: without it a volume absorbs all that it attenuates.
+    pub scatter: Option<Scatter>,
     /// `KHR_materials_sheen`.
     pub sheen: Option<Sheen>,
     /// `KHR_materials_pbrSpecularGlossiness`: replaces metalness and roughness.
@@ -31,8 +33,6 @@ pub struct Extensions {
     pub transmission: Option<Transmission>,
     /// `KHR_materials_volume`: without it the surface is an infinitely thin sheet.
     pub volume: Option<Volume>,
-    /// `KHR_materials_volume_scatter`, a draft: without it the volume absorbs all that it attenuates.
-    pub volume_scatter: Option<VolumeScatter>,
 }
 
 /// Stretched highlights.
@@ -205,7 +205,7 @@ impl Default for Volume {
 macro_rules! textures {
     ($e:ident, $borrow:ident) => {{
         let (mut coat, mut sheen, mut fuzz) = ([const { None }; 5], [None, None], [const { None }; 3]);
-        let (mut diffuse, mut film) = ([None, None], [None, None]);
+        let (mut diffuse, mut film, mut scatter) = ([None, None], [None, None], [None, None]);
         if let Some(Clearcoat {
             texture, roughness_texture, normal_texture, color_texture, anisotropy, ..
         }) = $e.clearcoat.$borrow()
@@ -227,6 +227,9 @@ macro_rules! textures {
         if let Some(Iridescence { texture, thickness_texture, .. }) = $e.iridescence.$borrow() {
             film = [texture.$borrow(), thickness_texture.$borrow()];
         }
+        if let Some(Scatter { texture, color_texture, .. }) = $e.scatter.$borrow() {
+            scatter = [texture.$borrow(), color_texture.$borrow()];
+        }
         if let Some(Sheen { color_texture, roughness_texture, .. }) = $e.sheen.$borrow() {
             sheen = [color_texture.$borrow(), roughness_texture.$borrow()];
         }
@@ -237,7 +240,8 @@ macro_rules! textures {
             $e.transmission.$borrow().and_then(|e| e.texture.$borrow()),
             $e.volume.$borrow().and_then(|e| e.thickness_texture.$borrow()),
         ];
-        coat.into_iter().chain(diffuse).chain(film).chain(fuzz).chain(sheen).chain(others).flatten()
+        let pairs = [diffuse, film, scatter, sheen].into_iter().flatten();
+        coat.into_iter().chain(fuzz).chain(pairs).chain(others).flatten()
     }};
 }
 
@@ -272,10 +276,10 @@ impl Extensions {
             && self.iridescence.is_none_or(|e| {
                 e.factor.is_finite() && e.ior.is_finite() && e.thickness.iter().all(|t| t.is_finite())
             })
+            && self.scatter.is_none_or(|e| e.is_finite())
             && self.sheen.is_none_or(|e| e.color.is_finite() && e.roughness.is_finite())
             && self.specular_glossiness.is_none_or(|e| e.specular.is_finite() && e.glossiness.is_finite())
             && self.transmission.is_none_or(|e| e.factor.is_finite())
-            && self.volume_scatter.is_none_or(|e| e.is_finite())
             && self.volume.is_none_or(|e| {
                 e.thickness.is_finite() && !e.attenuation_distance.is_nan() && e.attenuation_color.is_finite()
             })

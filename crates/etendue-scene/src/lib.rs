@@ -18,7 +18,7 @@ mod substitute;
 mod texture;
 
 pub use camera::{Camera, CameraRays, Projection};
-pub use drafts::{DiffuseRoughness, Fuzz, VolumeScatter};
+pub use drafts::{DiffuseRoughness, Fuzz, Scatter};
 pub use environment::Environment;
 pub use extensions::{
     Anisotropy, Clearcoat, DiffuseTransmission, Extensions, Iridescence, Sheen, SpecularGlossiness,

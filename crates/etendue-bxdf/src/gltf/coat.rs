@@ -85,7 +85,8 @@ fn under(p: &GltfParams) -> Under {
     let f0 = dielectric.max_element();
     let tint = dielectric * if f0 > 0.0 { 1.0 / f0 } else { 0.0 };
     let diffuse = base.lerp(far, unit(p.diffuse_transmission));
-    let substrate = diffuse.lerp(base, unit(p.transmission));
+    let through = base.lerp(p.multiscatter_color.map(unit), p.sheet_scatter());
+    let substrate = diffuse.lerp(through, unit(p.transmission));
     Under::new(f0, tint, substrate, base, unit(p.metallic), unit(p.roughness))
 }
 

@@ -11,7 +11,8 @@
 //!   S        GGX, α = roughness², along x mix(α, 1, anisotropy_strength²)
 //!   metal    = F · S
 //!   dielectric = F · S + (1 − max F) · mix(diffuse, through, transmission)
-//!   through  = base_color · the sheet's or volume's transmission with S's microfacets
+//!   through  = base_color · the sheet's or volume's transmission with S's microfacets; of a sheet that scatters
+//!              mix(that, multiscatter_color / π with (1 + scatter_anisotropy) / 2 of it on the far side, scatter_strength)
 //!   diffuse  = mix(base_color / π, diffuse_transmission_color / π on the far side, diffuse_transmission);
 //!              with diffuse_roughness EON's lobe in place of 1 / π
 //! ```
@@ -47,10 +48,13 @@
 //! diffusely (`transmission` between 0 and 1), diffuse light is multiplied by min(T(wo), T(wi)) too: total reflection makes T a
 //! step.
 //!
-//! With `multiscatter_color` above black what is attenuated is not all absorbed: `KHR_materials_volume_scatter`. The colour is that of
-//! a deep body after many events; the single-scattering albedo is Kulla and Conty's inverse of it
+//! With `scatter_strength` above 0 what is attenuated is not all absorbed: `KHR_materials_scatter`. `multiscatter_color` times it is
+//! the colour of a deep body after many events; the single-scattering albedo is Kulla and Conty's inverse of it
 //! ([`crate::openpbr::single_scattering_albedo`]), for the anisotropy that the medium has. Who follows the light finds both in
 //! [`Interior::scatter`].
+//!
+//! A sheet that scatters adds to the diffuse part. With `diffuse_roughness` what it scatters has the rough lobe, too; the draft
+//! leaves that open.
 //!
 //! # The index by lane
 //! `KHR_materials_dispersion` gives red, green, blue the indices ior ∓ (ior − 1) · 0.025 · dispersion; for wavelengths the same
@@ -135,9 +139,10 @@ fn ior_in_lane(p: &GltfParams, lane: Option<u8>, lanes: Lanes) -> f32 {
 }
 
 impl GltfParams {
-    /// How the volume scatters, if it does.
-    fn scatter(&self) -> Option<Scatter> {
-        let color = self.multiscatter_color.map(|c| c.max(0.0).min(1.0));
+    /// How what attenuates light in the volume scatters it, if it does.
+    pub fn scatter(&self) -> Option<Scatter> {
+        let strength = self.scatter_strength.max(0.0).min(1.0);
+        let color = self.multiscatter_color.map(|c| c.max(0.0).min(1.0) * strength);
         // At ±1 there is no density.
         let g = self.scatter_anisotropy.max(-0.999).min(0.999);
         (color.max_element() > 0.0)
@@ -148,7 +153,7 @@ impl GltfParams {
 impl ModelParams for GltfParams {
     type Closure = Gltf;
     const ABOUT: &'static str = "glTF 2.0's surface with the KHR_materials extensions: clearcoat, coat, sheen, fuzz, \
-         transmission, volume, volume_scatter, ior, specular, iridescence, anisotropy, dispersion, diffuse_transmission, diffuse_roughness";
+         transmission, volume, scatter, ior, specular, iridescence, anisotropy, dispersion, diffuse_transmission, diffuse_roughness";
     const CLAIMS: Claims = Claims {
         reciprocal: Claim::Breaks(
             "a coat with a normal of its own meets light by its own cosine, its darkening and the fuzz follow the viewer, and \

@@ -58,9 +58,12 @@ parameters! {
         attenuation_color: Spectrum = Spectrum::ONE, 0.0..1.0;
         /// Metres, > 0; infinite for a clear volume.
         attenuation_distance: f32 = f32::INFINITY, 0.0..10.0;
-        /// Colour of the volume where it is deep and light is scattered in it many times; lanes 0..1, black for none.
-        multiscatter_color: Spectrum = Spectrum::ZERO, 0.0..1.0;
-        /// Mean cosine of the angle by which the volume turns light, −1 back .. 1 straight on.
+        /// How much of what is let through is scattered, 0..1: by a sheet that part; in a volume a factor of `multiscatter_color`.
+        scatter_strength: f32 = 0.0, 0.0..1.0;
+        /// Colour of the volume where it is deep and light is scattered in it many times; of what a sheet scatters. Lanes 0..1.
+        multiscatter_color: Spectrum = Spectrum::ONE, 0.0..1.0;
+        /// Mean cosine of the angle by which the volume turns light, −1 back .. 1 straight on; (1 + it) / 2 of what a sheet scatters
+        /// comes out on its far side.
         scatter_anisotropy: f32 = 0.0, -1.0..1.0;
         /// Coverage by a thin film, 0..1.
         iridescence: f32 = 0.0, 0.0..1.0;
@@ -113,6 +116,44 @@ impl GltfParams {
             specular_color: self.specular_color,
             compensation: self.compensation,
         }
+    }
+
+    /// How much of what enters a thin sheet is scattered: 0 for volumes.
+    #[inline]
+    pub fn sheet_scatter(&self) -> f32 {
+        if self.thickness > 0.0 { 0.0 } else { self.scatter_strength.max(0.0).min(1.0) }
+    }
+
+    /// What of the light that enters a thin sheet is scattered to the near side and to the far side: colours 0..1, shares with a sum
+    /// up to 1.
+    #[inline]
+    pub fn scattered_by_sheet(&self) -> [(Spectrum, f32); 2] {
+        let unit = |x: f32| x.max(0.0).min(1.0);
+        let (color, strength) = (self.multiscatter_color.map(unit), self.sheet_scatter());
+        let forward = unit(0.5 + 0.5 * self.scatter_anisotropy);
+        [(color, strength * (1.0 - forward)), (color, strength * forward)]
+    }
+
+    /// Colours of what comes out diffusely on the near side and on the far side, and their shares of the light that passes the
+    /// facets, if `entered` are those of the light that enters what is beneath: colours 0..1, shares ≥ 0 with a sum up to 1.
+    #[inline]
+    pub fn matte(&self, entered: [(Spectrum, f32); 2]) -> [(Spectrum, f32); 2] {
+        let unit = |x: f32| x.max(0.0).min(1.0);
+        let transmission = unit(self.transmission);
+        let far = unit(self.diffuse_transmission);
+        let dielectric = 1.0 - unit(self.metallic);
+        let rest = dielectric * (1.0 - transmission);
+        let base = [self.base_color, self.diffuse_transmission_color].map(|c| c.map(unit));
+        let share = [rest * (1.0 - far), rest * far];
+        core::array::from_fn(|i| {
+            let (color, more) = (entered[i].0, dielectric * transmission * entered[i].1);
+            if more > 0.0 {
+                let sum = share[i] + more;
+                (((base[i] * share[i] + color * more) * (1.0 / sum)).map(unit), sum)
+            } else {
+                (base[i], share[i])
+            }
+        })
     }
 
     /// True if some extension beyond `KHR_materials_ior` and `KHR_materials_specular` changes how the surface scatters;

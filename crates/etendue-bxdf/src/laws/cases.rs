@@ -175,6 +175,17 @@ pub const NAMED: &[Named] = &[
         "cloudy glass under a coat",
         &[("transmission", "0.5"), ("thickness", "1"), ("clearcoat", "1"), ("clearcoat_roughness", "0.3")],
     ),
+    (
+        "gltf",
+        "frosted sheet that scatters forward",
+        &[
+            ("transmission", "0.9"),
+            ("scatter_strength", "0.7"),
+            ("scatter_anisotropy", "0.6"),
+            ("multiscatter_color", "0.9,0.6,0.3"),
+            ("roughness", "0.3"),
+        ],
+    ),
     ("gltf", "leaf", &[("diffuse_transmission", "0.6"), ("base_color", "0.5,0.8,0.2")]),
     ("gltf", "specular-glossiness", &[("ior", "0"), ("specular_color", "0.3,0.6,0.1")]),
     (

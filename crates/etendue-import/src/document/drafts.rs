@@ -41,9 +41,11 @@ pub(crate) struct Fuzz {
     pub roughness_texture: Option<TextureInfo>,
 }
 
-/// `KHR_materials_volume_scatter`.
+/// `KHR_materials_scatter`, or `KHR_materials_volume_scatter`, which says less.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct VolumeScatter {
+pub(crate) struct Scatter {
+    pub strength: Option<f64>,
+    pub texture: Option<TextureInfo>,
     pub color: Option<[f64; 3]>,
     pub color_texture: Option<TextureInfo>,
     pub anisotropy: Option<f64>,
@@ -55,7 +57,8 @@ pub(crate) struct Drafts {
     pub coat: Option<Coat>,
     pub diffuse_roughness: Option<DiffuseRoughness>,
     pub fuzz: Option<Fuzz>,
-    pub volume_scatter: Option<VolumeScatter>,
+    pub scatter: Option<Scatter>,
+    pub volume_scatter: Option<Scatter>,
 }
 
 impl Drafts {
@@ -83,6 +86,15 @@ impl Drafts {
                     },
                 })
             })?,
+            scatter: r.extension(o, ext::SCATTER, |r, o| {
+                Ok(Scatter {
+                    strength: r.soft(o, "scatterStrengthFactor", number),
+                    texture: r.opt(o, "scatterStrengthTexture", TextureInfo::read)?,
+                    color: r.soft(o, "multiscatterColorFactor", Reader::numbers),
+                    color_texture: r.opt(o, "multiscatterColorTexture", TextureInfo::read)?,
+                    anisotropy: r.soft(o, "scatterAnisotropy", number),
+                })
+            })?,
             volume_scatter: r.extension(o, ext::VOLUME_SCATTER, |r, o| {
                 // The newest name first; the others are those of older revisions.
                 let mut color = None;
@@ -91,7 +103,9 @@ impl Drafts {
                         color = r.soft(o, name, Reader::numbers);
                     }
                 }
-                Ok(VolumeScatter {
+                Ok(Scatter {
+                    strength: None,
+                    texture: None,
                     color,
                     color_texture: r.opt(o, "multiscatterColorTexture", TextureInfo::read)?,
                     anisotropy: r.soft(o, "scatterAnisotropy", number),
@@ -121,6 +135,7 @@ impl Drafts {
         self.coat.is_none()
             && self.diffuse_roughness.is_none()
             && self.fuzz.is_none()
+            && self.scatter.is_none()
             && self.volume_scatter.is_none()
     }
 
@@ -129,7 +144,7 @@ impl Drafts {
         let one = |v: Option<f64>| v.map(|v| vec![v]);
         let rough = self.diffuse_roughness.unwrap_or_default();
         let (coat, fuzz) = (self.coat.unwrap_or_default(), self.fuzz.unwrap_or_default());
-        let scatter = self.volume_scatter.unwrap_or_default();
+        let scatter = self.scatter.or(self.volume_scatter).unwrap_or_default();
         [
             ("coat", one(coat.factor)),
             ("coatRoughness", one(coat.roughness)),
@@ -143,6 +158,7 @@ impl Drafts {
             ("fuzz", one(fuzz.factor)),
             ("fuzzColor", fuzz.color.map(Vec::from)),
             ("fuzzRoughness", one(fuzz.roughness)),
+            ("scatterStrength", one(scatter.strength)),
             ("multiscatterColor", scatter.color.map(Vec::from)),
             ("scatterAnisotropy", one(scatter.anisotropy)),
         ]
@@ -154,7 +170,7 @@ impl Drafts {
     pub fn textures(&self) -> impl Iterator<Item = (&'static str, TextureInfo)> + use<> {
         let rough = self.diffuse_roughness.unwrap_or_default();
         let (coat, fuzz) = (self.coat.unwrap_or_default(), self.fuzz.unwrap_or_default());
-        let scatter = self.volume_scatter.unwrap_or_default();
+        let scatter = self.scatter.or(self.volume_scatter).unwrap_or_default();
         [
             ("coat", coat.texture),
             ("coatRoughness", coat.roughness_texture),
@@ -165,6 +181,7 @@ impl Drafts {
             ("fuzz", fuzz.texture),
             ("fuzzColor", fuzz.color_texture),
             ("fuzzRoughness", fuzz.roughness_texture),
+            ("scatterStrength", scatter.texture),
             ("multiscatterColor", scatter.color_texture),
         ]
         .into_iter()

@@ -227,6 +227,7 @@ fn leave_out(m: &mut Material, set: fn(&mut Material, Option<TextureRef>)) {
                 diffuse_transmission: now.diffuse_transmission.filter(|_| had.diffuse_transmission.is_some()),
                 fuzz: now.fuzz.filter(|_| had.fuzz.is_some()),
                 iridescence: now.iridescence.filter(|_| had.iridescence.is_some()),
+                scatter: now.scatter.filter(|_| had.scatter.is_some()),
                 sheen: now.sheen.filter(|_| had.sheen.is_some()),
                 specular_glossiness: now.specular_glossiness.filter(|_| had.specular_glossiness.is_some()),
                 transmission: now.transmission.filter(|_| had.transmission.is_some()),

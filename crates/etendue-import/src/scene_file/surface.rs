@@ -7,7 +7,7 @@ use etendue_bxdf::model::Field as _;
 use etendue_bxdf::multiscatter::Compensation;
 use etendue_scene::{
     AlphaMode, Anisotropy, Clearcoat, DiffuseRoughness, DiffuseTransmission, Extensions, Fuzz, Iridescence,
-    Material, NormalTexture, Sheen, SpecularGlossiness, TextureRef, Transmission, Volume, VolumeScatter,
+    Material, NormalTexture, Scatter, Sheen, SpecularGlossiness, TextureRef, Transmission, Volume,
 };
 
 /// A key of a surface.
@@ -54,8 +54,8 @@ fn glossy(m: &mut Material) -> &mut SpecularGlossiness {
 fn refracts(m: &mut Material) -> &mut Transmission {
     extensions(m).transmission.get_or_insert_default()
 }
-fn scatters(m: &mut Material) -> &mut VolumeScatter {
-    extensions(m).volume_scatter.get_or_insert_default()
+fn scatters(m: &mut Material) -> &mut Scatter {
+    extensions(m).scatter.get_or_insert_default()
 }
 fn volume(m: &mut Material) -> &mut Volume {
     extensions(m).volume.get_or_insert_default()
@@ -147,7 +147,8 @@ pub(crate) fn factors() -> Vec<SurfaceKey> {
         plain(field("transmission", unit(), "Part of the light that is refracted instead of scattered diffusely", |m, v| refracts(m).factor = v.f32()).or("0")),
         plain(field("thickness", Kind::POSITIVE, "Above 0 the surface encloses a body; at 0 it is a thin sheet. Rasterisers need the number, in the mesh's units", |m, v| volume(m).thickness = v.f32()).or("0")),
         plain(field("attenuation_distance", Kind::POSITIVE, "Metres inside the body after which white light has the attenuation colour [default: endless]", |m, v| volume(m).attenuation_distance = if v.f32() > 0.0 { v.f32() } else { f32::MIN_POSITIVE })),
-        plain(field("multiscatter_color", Kind::Color, "Colour of a deep body in which light is scattered; black for none", |m, v| scatters(m).color = v.numbers().into()).or("[0, 0, 0]")),
+        plain(field("scatter_strength", unit(), "How much of what is refracted is scattered: in the body, or by the sheet", |m, v| scatters(m).strength = v.f32()).or("0")),
+        plain(field("multiscatter_color", Kind::Color, "Colour of a deep body in which light is scattered, or of the light that a sheet scatters", |m, v| scatters(m).color = v.numbers().into()).or("[1, 1, 1]")),
         plain(field("scatter_anisotropy", Kind::Number([-1.0, 1.0]), "Where to: -1 back, 0 evenly, 1 straight on", |m, v| scatters(m).anisotropy = v.f32()).or("0")),
         plain(field("attenuation_color", Kind::Color, "Colour of white light after that distance", |m, v| volume(m).attenuation_color = v.numbers().into()).or("[1, 1, 1]")),
     ]
@@ -223,6 +224,12 @@ pub(crate) fn textures() -> Vec<TextureKey> {
         slot("iridescence_texture", "Coverage of the film in red", false, |m, t| film(m).texture = t),
         slot("iridescence_thickness_texture", "Thickness of the film in green", false, |m, t| {
             film(m).thickness_texture = t
+        }),
+        slot("scatter_strength_texture", "How much is scattered, in alpha", false, |m, t| {
+            scatters(m).texture = t
+        }),
+        slot("multiscatter_color_texture", "Colour of what is scattered (sRGB)", false, |m, t| {
+            scatters(m).color_texture = t
         }),
         slot("sheen_color_texture", "Colour of the sheen (sRGB)", false, |m, t| sheen(m).color_texture = t),
         slot("sheen_roughness_texture", "Roughness of the sheen in alpha", false, |m, t| {

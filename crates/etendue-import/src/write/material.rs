@@ -211,11 +211,11 @@ fn lit(m: &Material, w: &mut Writer<'_>, e: &mut Map<String, Value>) {
         dispersion,
         fuzz,
         iridescence,
+        scatter,
         sheen,
         specular_glossiness: _,
         transmission,
         volume,
-        volume_scatter,
     } = *x;
     if let Some(a) = anisotropy {
         let mut o = Object::default();
@@ -303,13 +303,19 @@ fn lit(m: &Material, w: &mut Writer<'_>, e: &mut Map<String, Value>) {
         o.some("transmissionTexture", w.texture(t.texture));
         add(ext::TRANSMISSION, o);
     }
-    if let Some(v) = volume_scatter {
+    if let Some(s) = scatter {
         let mut o = Object::default();
-        o.color("multiscatterColorFactor", v.color, Vec3::ZERO);
-        // The name of older revisions, too.
-        o.color("multiscatterColor", v.color, Vec3::ZERO);
-        o.number("scatterAnisotropy", v.anisotropy, 0.0);
-        add(ext::VOLUME_SCATTER, o);
+        if diffuse_transmission.is_some() {
+            // Beside which the newer extension must not stand; in the older one the strength is in the colour.
+            o.color("multiscatterColorFactor", s.color * s.strength, Vec3::ZERO);
+        } else {
+            o.number("scatterStrengthFactor", s.strength, 0.0);
+            o.some("scatterStrengthTexture", w.texture(s.texture));
+            o.color("multiscatterColorFactor", s.color, Vec3::ONE);
+        }
+        o.some("multiscatterColorTexture", w.texture(s.color_texture));
+        o.number("scatterAnisotropy", s.anisotropy, 0.0);
+        add(if diffuse_transmission.is_some() { ext::VOLUME_SCATTER } else { ext::SCATTER }, o);
     }
     if let Some(v) = volume {
         let mut o = Object::default();

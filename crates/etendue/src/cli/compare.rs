@@ -44,9 +44,6 @@ fn model(args: &CompareArgs, path: Option<&Path>) -> Result<(), CliError> {
     load::start_threads(&render)?;
     let (scene, _) = load::scene(&render)?;
     realtime::only_gltf(&scene)?;
-    if !args.quiet {
-        realtime::say_what_lacks(&scene);
-    }
     let (camera, (width, height)) = load::camera(&render, &scene)?;
     // Two films with their parts are the most that is in memory at a time; pictures of the report are small beside them.
     target::check_size((width, height), PassSet::parts())?;

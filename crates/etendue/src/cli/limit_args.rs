@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Args, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct LimitArgs {
-    /// Read drafts of glTF extensions too, which may still change: KHR_materials_coat, diffuse_roughness, fuzz, volume_scatter
+    /// Read drafts of glTF extensions too, which may still change: KHR_materials_coat, diffuse_roughness, fuzz, scatter, volume_scatter
     #[arg(long, help_heading = "Scene")]
     pub drafts: bool,
     /// Let models read files outside their own folders

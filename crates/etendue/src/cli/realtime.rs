@@ -3,13 +3,13 @@
 use super::args::{DevelopArgs, RenderArgs};
 use super::output::{available_memory, count, expose, peak_memory, unwritten};
 use super::progress::{Progress, clock, spinner};
-use super::{CliError, load, note_line, say, target};
+use super::{CliError, load, say, target};
 use crate::bxdf::model::Model;
 use crate::image::{Development, Metadata, PictureFormat, WriteOptions, write_layers_exr, write_picture};
 use crate::realtime::passes::{Pass, PassSet};
 use crate::realtime::{Choices, Frame, Lighting, Preset, Twin, TwinSettings};
 use crate::render::{Counters, World};
-use crate::scene::{Camera, Material, Scene, Substitute};
+use crate::scene::{Camera, Scene, Substitute};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -114,10 +114,6 @@ impl Artist {
         check_size(width, height, passes)?;
         let built = started.elapsed();
         let visible = !args.quiet && !args.json;
-        // Of many frames once.
-        if visible && self.lighting.is_none() {
-            say_what_lacks(what.world.scene());
-        }
         let lighting = match self.lighting.take() {
             Some(known) => known.with_lights_of(what.world.scene()),
             None => {
@@ -190,16 +186,6 @@ pub(crate) fn choices(args: &RenderArgs) -> Result<(Choices, Preset), CliError> 
         choices.apply(text).map_err(|e| CliError::Usage(format!("--choice {text}: {e}")))?;
     }
     Ok((choices, preset))
-}
-
-/// Says on standard error what of the scene the shading cannot show.
-pub(crate) fn say_what_lacks(scene: &Scene) {
-    let scatters = |m: &Material| m.extensions.as_ref().is_some_and(|e| e.volume_scatter.is_some());
-    if scene.materials.iter().any(scatters) {
-        note_line(
-            "warning: real-time shading does not show light that is scattered in bodies; there they only absorb",
-        );
-    }
 }
 
 /// An error if a surface is of a model that the shading does not know.

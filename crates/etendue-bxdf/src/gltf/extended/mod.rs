@@ -100,7 +100,7 @@ impl Extended {
             facet = facet.with_eta(if at.front { relative } else { 1.0 / relative });
         }
         let shape = Shape::new(alpha);
-        let tint = base * (transmission * dielectric);
+        let tint = base * (transmission * dielectric * (1.0 - p.sheet_scatter()));
         let mut through_shape = None;
         let body = if solid {
             Body::Solid(GgxDielectric::new(alpha, facet, at.transport).tinted(Spectrum::ONE, tint))
@@ -116,16 +116,14 @@ impl Extended {
             Body::Opaque
         };
 
-        let rest = dielectric * (1.0 - transmission);
-        let far = unit(p.diffuse_transmission);
         // Diffuse light that enters a volume is compressed as refracted light is.
         let squeeze = match at.transport {
             Transport::Radiance => 1.0 / (facet.eta() * facet.eta()),
             Transport::Importance => 1.0,
         };
-        let far_color = p.diffuse_transmission_color.map(unit);
-        let share = [rest * (1.0 - far) * FRAC_1_PI, rest * far * FRAC_1_PI * squeeze];
-        let matte = Matte::new([base, far_color], share, unit(p.diffuse_roughness));
+        let [(near, near_share), (far, far_share)] = p.matte(p.scattered_by_sheet());
+        let share = [near_share * FRAC_1_PI, far_share * FRAC_1_PI * squeeze];
+        let matte = Matte::new([near, far], share, unit(p.diffuse_roughness));
 
         let further =
             Further::worthwhile(shape.ggx.alpha(), facet.average(), facet.reflect(1.0), p.compensation);
