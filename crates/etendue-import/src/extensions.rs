@@ -1,7 +1,6 @@
 //! Which glTF extensions are understood, and how far.
 
 use crate::error::Fault;
-use crate::warning::Warnings;
 
 pub(crate) const ANIMATION_POINTER: &str = "KHR_animation_pointer";
 pub(crate) const ANISOTROPY: &str = "KHR_materials_anisotropy";
@@ -94,7 +93,7 @@ pub enum Support {
     /// It is a draft that may still change: read as it stood when this was written, if
     /// [`ImportOptions::drafts`](crate::ImportOptions::drafts) asks for it, and otherwise ignored.
     Draft,
-    /// Its data are skipped; the picture is made without it.
+    /// It says nothing of how a scene looks in a picture, or is a draft that was not asked for: its data are skipped.
     Ignored,
     /// Its data cannot be skipped: a file that requires it is refused.
     Refused,
@@ -135,13 +134,54 @@ const TABLE: &[(&str, Support)] = &[
     (VOLUME, Support::Full),
     (VOLUME_SCATTER, Support::Draft),
     (XMP, Support::Full),
-    ("KHR_xmp", Support::Ignored),
     ("MSFT_texture_dds", Support::Refused),
+];
+
+/// Extensions that say nothing of how a scene looks in a picture: what can be done with it, how it sounds and moves by itself, what it
+/// means, how it is to be packed. A file may require them and still be shown.
+const BESIDE_PICTURES: &[&str] = &[
+    "AGI_articulations",
+    "AGI_stk_metadata",
+    "EXT_feature_metadata",
+    "EXT_instance_features",
+    "EXT_mesh_features",
+    "EXT_mesh_manifold",
+    "EXT_structural_metadata",
+    "FB_geometry_metadata",
+    "GODOT_single_root",
+    "KHR_audio",
+    "KHR_audio_emitter",
+    "KHR_implicit_shapes",
+    "KHR_interactivity",
+    "KHR_node_hoverability",
+    "KHR_node_selectability",
+    "KHR_physics_rigid_bodies",
+    "KHR_xmp",
+    "MSFT_audio_emitter",
+    "MSFT_lod",
+    "MSFT_packing_normalRoughnessMetallic",
+    "MSFT_packing_occlusionRoughnessMetallic",
+    "OMI_audio_emitter",
+    "OMI_collider",
+    "OMI_link",
+    "OMI_personality",
+    "OMI_physics_body",
+    "OMI_physics_shape",
+    "OMI_seat",
+    "OMI_spawn_point",
+    "OMI_vehicle_body",
+    "OMI_vehicle_wheel",
 ];
 
 /// How far the extension `name` is supported; `None` if nothing here knows it.
 pub fn support(name: &str) -> Option<Support> {
-    TABLE.iter().find(|(n, _)| *n == name).map(|&(_, s)| s)
+    let known = TABLE.iter().find(|(n, _)| *n == name).map(|&(_, s)| s);
+    known.or_else(|| BESIDE_PICTURES.contains(&name).then_some(Support::Ignored))
+}
+
+/// True if what an extension says is understood, though it may not be used.
+pub(crate) fn is_understood(name: &str) -> bool {
+    !matches!(support(name), None | Some(Support::Ignored))
 }
 
 /// True if the extension `name` is a draft that is known.
@@ -152,9 +192,8 @@ pub(crate) fn is_draft(name: &str) -> bool {
 /// How drafts are asked for.
 pub(crate) const SWITCH: &str = "--drafts (in the library ImportOptions::drafts)";
 
-/// Refuses a file that requires what cannot be left out, or a draft if `drafts` are not asked for. An extension that only refines
-/// the look is let through with a warning: a picture that says what it lacks serves better than none.
-pub(crate) fn check_required(required: &[&str], drafts: bool, warnings: &mut Warnings) -> Result<(), Fault> {
+/// Refuses a file that requires what cannot be left out, or a draft if `drafts` are not asked for.
+pub(crate) fn check_required(required: &[&str], drafts: bool) -> Result<(), Fault> {
     let pending: Vec<&str> = required.iter().copied().filter(|n| !drafts && is_draft(n)).collect();
     if !pending.is_empty() {
         return Err(Fault::Unsupported {
@@ -175,14 +214,6 @@ pub(crate) fn check_required(required: &[&str], drafts: bool, warnings: &mut War
             what: refused.join(", "),
             hint: String::new(),
         });
-    }
-    for name in required.iter().filter(|n| support(n) == Some(Support::Ignored)) {
-        warnings.add(
-            "/extensionsRequired",
-            format!(
-                "{name} is required but not supported yet; the picture will differ from the intended one"
-            ),
-        );
     }
     Ok(())
 }

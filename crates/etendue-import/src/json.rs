@@ -1,7 +1,7 @@
 //! Reading typed values out of a JSON tree, knowing at every moment where in it one stands.
 
 use crate::error::Fault;
-use crate::extensions::{SWITCH, XMP, is_draft};
+use crate::extensions::{SWITCH, Support, XMP, is_draft, support};
 use crate::warning::Warnings;
 use serde_json::{Map, Value};
 
@@ -268,7 +268,8 @@ impl<'v> Reader<'v> {
         let Some(Value::Object(e)) = o.get("extensions") else { return };
         let drafts = self.drafts;
         let read = |n: &String| known.contains(&n.as_str()) && (drafts || !is_draft(n));
-        for name in e.keys().filter(|n| !read(n) && *n != XMP) {
+        let beside = |n: &String| *n == XMP || support(n) == Some(Support::Ignored);
+        for name in e.keys().filter(|n| !read(n) && !beside(n)) {
             self.path.push(Step::Key("extensions"));
             self.path.push(Step::Key(name));
             self.warn(if is_draft(name) && !drafts {

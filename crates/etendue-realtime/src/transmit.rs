@@ -96,7 +96,9 @@ impl Passing {
             let scattering = optical * scatter.albedo[lane] * (1.0 - scatter.anisotropy);
             let [near, far] = plate(color, scattering, k);
             // What is not scattered is seen through the body.
-            [out[0][lane], out[1][lane]] = [near, (far - (-optical).exp()).max(0.0)];
+            // What comes out has passed the surface's colour twice.
+            let tint = unit(p.base_color[lane]) * unit(p.base_color[lane]);
+            [out[0][lane], out[1][lane]] = [near * tint, (far - (-optical).exp()).max(0.0) * tint];
         }
         Some(out.map(|c| {
             let share = c.max_element();

@@ -112,11 +112,11 @@ impl Case<'_> {
             }
             // Below a material only textures have extensions.
             let deep = at.starts_with("/materials/") && at.matches('/').count() > 4;
-            if deep && name != ext::TEXTURE_TRANSFORM && ext::support(name).is_some() {
+            if deep && name != ext::TEXTURE_TRANSFORM && ext::is_understood(name) {
                 self.out.add(at.clone(), format!("{name} has no place here"));
             }
             // What unknown ones hold is theirs.
-            if ext::support(name).is_some() && name != ext::XMP {
+            if ext::is_understood(name) && name != ext::XMP {
                 self.walk(v, at);
             }
             at.truncate(length);
@@ -176,7 +176,7 @@ impl Case<'_> {
         for (name, allowed) in PLACES {
             for (i, entry) in list(self.root, name).iter().enumerate() {
                 let Some(Value::Object(e)) = entry.get("extensions") else { continue };
-                for n in e.keys().filter(|n| ext::support(n).is_some() && *n != ext::XMP) {
+                for n in e.keys().filter(|n| ext::is_understood(n) && *n != ext::XMP) {
                     if !allowed.contains(&n.as_str()) {
                         self.out.add(format!("/{name}/{i}/extensions/{n}"), format!("{n} has no place here"));
                     }

@@ -73,7 +73,7 @@ impl<'v> Document<'v> {
         let asset = Asset::read(r, o)?;
         let extensions_used = names(r, o, "extensionsUsed");
         let extensions_required = names(r, o, "extensionsRequired");
-        extensions::check_required(&extensions_required, r.drafts, &mut r.warnings)?;
+        extensions::check_required(&extensions_required, r.drafts)?;
         for (limit, most) in [("nodes", limits.nodes), ("accessors", limits.accessors)] {
             let count = o.get(limit).and_then(Value::as_array).map_or(0, Vec::len) as u64;
             if count > most {

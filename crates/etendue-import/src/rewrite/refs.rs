@@ -95,14 +95,14 @@ fn each_extension(tree: &Tree<'_>, see: &mut dyn FnMut(&str, &Tree<'_>)) {
 
 /// Whether an extension that is not known here stands on the object `tree` or on something within it.
 pub(super) fn has_unknown(tree: &Tree<'_>) -> bool {
-    extensions(tree).iter().any(|n| ext::support(n).is_none())
+    extensions(tree).iter().any(|n| !ext::is_understood(n))
 }
 
 /// Unknown extensions that refer to files or, by a number that is not followed, to buffers.
 pub(super) fn unfollowed(tree: &Tree<'_>) -> Vec<String> {
     let (mut files, mut buffers) = (BTreeSet::new(), BTreeSet::new());
     each_extension(tree, &mut |name, content| {
-        if ext::support(name).is_some() {
+        if ext::is_understood(name) {
             return;
         }
         each_entry(content, &mut |key, value| match key {

@@ -55,7 +55,7 @@ pub(crate) enum Command {
     /// Measure build time, rays, samples and time to equal error on fixed scenes, and the cost of each model
     Bench(BenchArgs),
     /// Integrate a sky for real-time shading: harmonics, irradiance, prefiltered cube, reflectance table
-    Bake(BakeArgs),
+    Bake(Box<BakeArgs>),
     /// Measure how far a picture is from its reference, or a model's real-time picture from its path-traced one; ends with 3 above --max-flip
     Compare(Box<CompareArgs>),
     /// Plot scattering models, put them to the laws of light, compare formulas

@@ -1,11 +1,14 @@
 //! What can be said to `etendue bake`.
 
+use super::args::RenderArgs;
 use super::limit_args::LimitArgs;
+use super::sky_args::SkyArgs;
 use super::values::{Vec3Arg, finite, non_negative, vec3};
 use crate::ibl::{DfgLayout, Kernel, MipMapping, TexelFormat, Window};
 use crate::image::SkyLayout;
 use clap::{Args, ValueEnum};
-use std::path::PathBuf;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 /// A kind of file for cubes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -67,7 +70,7 @@ pub(crate) struct BakeArgs {
     /// The box of --probes [default: the model's], or the one on whose walls the picture of --probe lies (for parallax correction), metres
     #[arg(long = "box", value_name = "X,Y,Z,X,Y,Z", value_parser = corners, allow_hyphen_values = true, help_heading = "Probes")]
     pub volume: Option<Corners>,
-    /// Sky of the model: a .hdr, .exr, .ktx2 or .dds file, `studio`, `none`, or a colour as R,G,B [default: studio]
+    /// Sky of the model: a .hdr, .exr, .ktx2 or .dds file, `studio`, `none`, or a colour as R,G,B [default: what a scene file says, the model's own, or studio]
     #[arg(long, value_name = "SKY", help_heading = "Probes")]
     pub env: Option<String>,
     /// Texels along an edge of the faces that are path-traced [default: --size]
@@ -123,6 +126,44 @@ pub(crate) struct BakeArgs {
     /// Print nothing but errors
     #[arg(short, long, help_heading = "Report")]
     pub quiet: bool,
+    /// The options that stood on the command line.
+    #[arg(skip)]
+    pub given: BTreeSet<String>,
+}
+
+/// What means the same to `render`; its `--at`, `--size` and `--samples` are others.
+const AS_RENDER: [&str; 9] = [
+    "env",
+    "env_layout",
+    "env_rotation",
+    "env_intensity",
+    "bounces",
+    "drafts",
+    "allow_outside",
+    "max_memory",
+    "limit",
+];
+
+impl BakeArgs {
+    /// What of this concerns how the model of a probe is loaded and lit.
+    pub fn as_render(&self, model: &Path) -> RenderArgs {
+        RenderArgs {
+            model: Some(model.to_path_buf()),
+            sky: SkyArgs {
+                env: self.env.clone(),
+                env_layout: self.env_layout,
+                env_rotation: self.env_rotation,
+                env_intensity: self.env_intensity,
+                light: Vec::new(),
+            },
+            limits: self.limits.clone(),
+            bounces: self.bounces,
+            quiet: self.quiet,
+            json: self.json,
+            given: self.given.iter().filter(|k| AS_RENDER.contains(&k.as_str())).cloned().collect(),
+            ..Default::default()
+        }
+    }
 }
 
 /// Lower and upper corner of a box.

@@ -3,29 +3,39 @@
 use super::bake::bar;
 use super::bake_args::BakeArgs;
 use super::bake_files::File;
-use super::{CliError, load, note_line};
+use super::{CliError, load, note_line, scene_file};
 use crate::ibl::CubeMap;
 use crate::ibl::manifest::ProbeEntry;
 use crate::ibl::probe_file::HIDDEN;
 use crate::probe::{self, ProbeSettings, Volume};
 use crate::render::World;
+use crate::scene::Environment;
 use glam::{Vec3, Vec3A};
 use std::path::Path;
 
-/// The model under its sky, ready to be traced; the sky's name, and what was noted.
-fn world(args: &BakeArgs, model: &Path) -> Result<(World, String, Vec<String>), CliError> {
-    let imported = load::model(Some(model), None, &args.limits)?;
-    let sky = args.env.as_deref().unwrap_or("studio");
-    let (environment, notes) = load::sky_as(sky, args.env_layout, args.env_rotation, args.env_intensity)?;
-    let notes: Vec<String> = imported.warnings.iter().map(ToString::to_string).chain(notes).collect();
-    let mut scene = imported.scene;
-    scene.environment = environment;
-    Ok((World::new(scene)?, sky.to_string(), notes))
+/// A model under its sky, ready to be traced.
+struct Stage {
+    world: World,
+    /// The sky's name.
+    sky: String,
+    /// What was noted, and told.
+    notes: Vec<String>,
+    bounces: u32,
 }
 
-fn tell(args: &BakeArgs, notes: &[String]) {
+/// The model as `render` shows it: a scene file's settings count, and the sky that a model brings along.
+fn stage(args: &BakeArgs, model: &Path) -> Result<Stage, CliError> {
+    let render = scene_file::under(args.as_render(model))?;
+    let (scene, notes) = load::scene(&render)?;
+    let own = matches!(scene.environment, Environment::LatLong { .. }) && render.sky.env.is_none();
+    let default = if own { "the model's own" } else { "studio" };
+    let sky = render.sky.env.unwrap_or_else(|| default.into());
+    Ok(Stage { world: World::new(scene)?, sky, notes, bounces: render.bounces })
+}
+
+fn tell(args: &BakeArgs, note: &str) {
     if !args.quiet {
-        notes.iter().for_each(|n| note_line(&format!("warning: {n}")));
+        note_line(&format!("warning: {note}"));
     }
 }
 
@@ -35,26 +45,27 @@ pub(crate) fn reflection_probe(
     model: &Path,
 ) -> Result<(ProbeEntry, CubeMap, String, Vec<String>), CliError> {
     let Some(at) = args.at else { return Err(CliError::Usage("--probe needs --at".into())) };
-    let (world, sky, mut notes) = world(args, model)?;
+    let Stage { world, sky, mut notes, bounces } = stage(args, model)?;
     let place = Vec3A::from(at.0);
     let backs = probe::backs(&world, place);
     if backs > HIDDEN {
         let [x, y, z] = at.0;
-        notes.push(format!(
+        let note = format!(
             "{:.0} % of what ({x}, {y}, {z}) sees are backs of surfaces: it is inside of something",
             100.0 * backs
-        ));
+        );
+        tell(args, &note);
+        notes.push(note);
     }
     if let Some(b) = args.volume
         && !(0..3).all(|k| (b.0[0][k]..=b.0[1][k]).contains(&at.0[k]))
     {
         return Err(CliError::Usage("--at is outside of --box".into()));
     }
-    tell(args, &notes);
     let settings = ProbeSettings {
         size: args.probe_size.unwrap_or(args.size),
         samples: args.probe_samples.unwrap_or(64),
-        bounces: args.bounces,
+        bounces,
         ..ProbeSettings::default()
     };
     let bar = bar(!args.quiet);
@@ -71,7 +82,7 @@ pub(crate) fn light_probes(args: &BakeArgs) -> Result<(Vec<File>, serde_json::Va
     let (Some(counts), Some(model)) = (args.probes, args.sky.as_deref()) else {
         return Err(CliError::Usage("--probes needs a model".into()));
     };
-    let (world, sky, mut notes) = world(args, Path::new(model))?;
+    let Stage { world, sky, mut notes, bounces } = stage(args, Path::new(model))?;
     let corners = match args.volume {
         Some(b) => b.0.map(Vec3::from),
         None => {
@@ -84,12 +95,8 @@ pub(crate) fn light_probes(args: &BakeArgs) -> Result<(Vec<File>, serde_json::Va
     };
     let volume = Volume::cells(corners, counts)
         .ok_or_else(|| CliError::Usage("the model's size is no number; give a --box".into()))?;
-    tell(args, &notes);
-    let settings = ProbeSettings {
-        samples: args.probe_samples.unwrap_or(6144),
-        bounces: args.bounces,
-        ..ProbeSettings::default()
-    };
+    let settings =
+        ProbeSettings { samples: args.probe_samples.unwrap_or(6144), bounces, ..ProbeSettings::default() };
     let bar = bar(!args.quiet);
     let told = |f: f64| bar.set_position((f * 1000.0) as u64);
     let file = probe::light_probes(&world, model, &volume, &settings, &told)
@@ -101,7 +108,7 @@ pub(crate) fn light_probes(args: &BakeArgs) -> Result<(Vec<File>, serde_json::Va
             "{hidden} of {} probes stand inside of something; lookups leave them out",
             file.backs.len()
         );
-        tell(args, std::slice::from_ref(&note));
+        tell(args, &note);
         notes.push(note);
     }
     let report = serde_json::json!({

@@ -141,7 +141,7 @@ fn text(imported: &Imported) -> String {
         _ if e.draft => "a draft: ignored without --drafts",
         Some(Support::Full) => "supported",
         Some(Support::Partly) => "supported in part",
-        Some(Support::Ignored) => "not supported yet: ignored",
+        Some(Support::Ignored) => "says nothing of how it looks: ignored",
         Some(Support::Refused) => "not supported yet: refused if required",
         None => "unknown: ignored",
     };

@@ -89,12 +89,7 @@ pub(crate) fn dress(
     Ok(scene)
 }
 
-/// The model that the arguments name.
-pub(crate) fn model(path: Option<&Path>, at: Option<f32>, limits: &LimitArgs) -> Result<Imported, CliError> {
-    read(path, &ImportOptions { at, ..limits.options() }, None)
-}
-
-/// The same, for those who write it again: with the files of its pictures.
+/// The model that the arguments name, for those who write it again: with the files of its pictures.
 pub(crate) fn model_with_files(
     path: Option<&Path>,
     at: Option<f32>,

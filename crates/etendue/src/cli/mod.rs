@@ -77,7 +77,7 @@ pub fn main() -> ExitCode {
         }
         Some(Command::Bench(a)) => bench::run(&a),
         Some(Command::Lab(a)) => lab::run(&a),
-        Some(Command::Bake(a)) => bake::run(&a),
+        Some(Command::Bake(a)) => bake::run(&bake_args::BakeArgs { given, ..*a }),
         Some(Command::Compare(a)) => compare::run(&compare_args::CompareArgs { given, ..*a }),
     };
     match result {

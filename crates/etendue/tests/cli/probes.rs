@@ -44,6 +44,32 @@ fn a_reflection_probe_shows_the_model() {
     assert_eq!(before, lab.bytes("folder/specular.ktx2"));
 }
 
+/// A scene file is baked as it is rendered: under its sky, with its settings; the command line goes first.
+#[test]
+fn probes_follow_scene_files() {
+    let lab = Lab::new();
+    lab.write("sign.gltf", triangle(""));
+    lab.write(
+        "sign.toml",
+        "[[model]]\nfile = \"sign.gltf\"\n[environment]\nsky = \"0,1,0\"\nintensity = 0.5\n[render]\nbounces = 2\n",
+    );
+    let light = |line: &str| {
+        let run = lab.ok(&format!(
+            "bake --probes 1,1,1 sign.toml -o p.json --box=-3,-1,2,3,1,3 --probe-samples 64 --json {line}"
+        ));
+        let report: Value = serde_json::from_str(&run.out).unwrap();
+        let file = ProbeFile::from_json(&String::from_utf8(lab.bytes("p.json")).unwrap()).unwrap();
+        let e = file.grid.probe([0, 0, 0]).irradiance(glam::Vec3::Z) / std::f32::consts::PI;
+        (report["sky"].as_str().unwrap().to_owned(), e.to_array())
+    };
+    let (sky, [r, g, _]) = light("");
+    assert!(sky == "0,1,0" && r.abs() < 0.02 && (g - 0.5).abs() < 0.05, "{sky} {r} {g}");
+    let (sky, [r, g, _]) = light("--env 1,0,0");
+    assert!(sky == "1,0,0" && (r - 0.5).abs() < 0.05 && g.abs() < 0.02, "{sky} {r} {g}");
+    let (_, [_, g, _]) = light("--env-intensity 2");
+    assert!((g - 2.0).abs() < 0.2, "{g}");
+}
+
 #[test]
 fn light_probes_are_a_file_that_the_library_reads() {
     let lab = Lab::new();
