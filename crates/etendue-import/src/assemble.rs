@@ -5,7 +5,7 @@ use crate::import::{Imported, drop_empty_meshes, image_files};
 use crate::info::Info;
 use crate::texture::Decoded;
 use crate::warning::Warnings;
-use crate::{clean, plan, tangents};
+use crate::{clean, plan, strokes, tangents};
 use etendue_scene::{Instance, Material, Mesh, Sampler, Scene, Texture};
 use glam::{Affine3A, Vec3};
 use std::sync::Arc;
@@ -50,6 +50,23 @@ impl Assembly {
     pub fn add(&mut self, mesh: Mesh, material: Option<u32>) {
         self.meshes.push(mesh);
         self.material_of.push(material);
+    }
+
+    /// Adds points and lines: a mesh of triangles `[a, b, b]` and `[a, a, a]`, which are unlit where they have no normals, as glTF has it.
+    pub fn add_strokes(&mut self, mut mesh: Mesh, material: Option<u32>) {
+        let mut material = match material.and_then(|m| self.materials.get(m as usize)) {
+            Some(m) => m.clone(),
+            None if mesh.colors.is_empty() => plain(),
+            None => Material { base_color: Vec3::ONE, ..plain() },
+        };
+        material.unlit = mesh.normals.is_empty();
+        strokes::thicken(&mut mesh);
+        let known = self.materials.iter().position(|m| *m == material);
+        let number = known.unwrap_or_else(|| {
+            self.materials.push(material);
+            self.materials.len() - 1
+        });
+        self.add(mesh, Some(number as u32));
     }
 
     /// The number of the texture of image `image` with `sampler`.

@@ -18,6 +18,14 @@ const SIDES: usize = 6;
 pub(crate) const VERTICES: u64 = 2 * SIDES as u64 + 2;
 pub(crate) const TRIANGLES: u64 = 4 * SIDES as u64;
 
+/// Vertices, and bytes of a mesh, that balls and tubes take at `per_vertex` bytes of attributes.
+pub(crate) fn estimate(balls: u64, tubes: u64, per_vertex: u64) -> (u64, u64) {
+    let sum = |ball: u64, tube: u64| balls.saturating_mul(ball).saturating_add(tubes.saturating_mul(tube));
+    let vertices = sum(SIDES as u64 + 2, VERTICES);
+    let triangles = sum(2 * SIDES as u64, TRIANGLES);
+    (vertices, vertices.saturating_mul(per_vertex).saturating_add(triangles.saturating_mul(12)))
+}
+
 /// Puts a tube in place of each triangle `[a, b, b]` of `m`, a ball in place of each `[a, a, a]`. Attributes of a vertex go to all
 /// vertices around it; normals become those of the tubes, tangents are left out.
 pub(crate) fn thicken(m: &mut Mesh) {

@@ -1,7 +1,7 @@
 //! OBJ, PLY and STL: what they say becomes the scene that they mean; what is wrong is said with its place.
 use etendue_import::{ImportError, ImportOptions, Imported, Limits, import, import_bytes};
 use etendue_scene::AlphaMode;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use std::fs;
 use std::path::Path;
 
@@ -140,17 +140,74 @@ fn obj_faults_name_the_line() {
     );
     assert!(fail("a.obj", "v 1 2 x\n").contains("line 1: `x` is not a number"));
     assert!(fail("a.obj", format!("{SQUARE}f 1 2\n")).contains("needs 3 corners"));
-    assert!(fail("a.obj", format!("{SQUARE}f 1 2 3/4/5/6\n")).contains("no corner of a face"));
-    let m = read("a.obj", format!("{SQUARE}mtllib none.mtl\nusemtl x\nf 1 2 3\nl 1 2\nfoo\nl 2 3\n"));
+    assert!(fail("a.obj", format!("{SQUARE}f 1 2 3/4/5/6\n")).contains("no corner (v, v/vt"));
+    let m = read("a.obj", format!("{SQUARE}mtllib none.mtl\nusemtl x\nf 1 2 3\ncurv 1 2\nfoo\nsurf 2 3\n"));
     let said = warnings(&m).join("\n");
     for part in [
-        "line 8: lines are not supported; left out (and 1 more)",
+        "line 8: free-form curves and surfaces are not supported; left out (and 1 more)",
         "line 9: `foo`",
         "line 5: the material library none.mtl",
         "the material `x` is not there",
     ] {
         assert!(said.contains(part), "{part}\n{said}");
     }
+}
+
+/// Lines are tubes, points are balls: twelve triangles for a ball and twenty-four for a tube, unlit; each once.
+#[test]
+fn obj_lines_and_points() {
+    let m = read("a.obj", format!("{SQUARE}o wires\nl 1 2 3\nl 1 2\np 4 -1\no face\nf 1 2 3\n"));
+    assert_eq!(warnings(&m), Vec::<String>::new());
+    let s = &m.scene;
+    assert_eq!(s.meshes.iter().map(|m| m.indices.len()).collect::<Vec<_>>(), [2 * 24 + 12, 1]);
+    let unlit = |i: usize| s.materials[s.instances[i].material.unwrap() as usize].unlit;
+    assert!(unlit(0) && !unlit(1) && s.meshes[0].name == "wires");
+    // As long as the lines and as thick as 1/500 of what they span.
+    let low = s.meshes[0].positions.iter().fold(Vec3::INFINITY, |a, p| a.min(*p));
+    let high = s.meshes[0].positions.iter().fold(Vec3::NEG_INFINITY, |a, p| a.max(*p));
+    let r = 2f32.sqrt() / 1000.0;
+    assert!(
+        (low - Vec3::new(-r, -r, -r)).length() < r && (high - Vec3::new(1.0 + r, 1.0 + r, r)).length() < r
+    );
+    // Nothing but positions: a cloud, with its colours.
+    let m = read("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\n");
+    let (mesh, material) = (&m.scene.meshes[0], &m.scene.materials[0]);
+    assert_eq!(
+        (mesh.indices.len(), mesh.colors.len(), mesh.colors[0]),
+        (36, 24, Vec4::new(1.0, 0.0, 0.0, 1.0))
+    );
+    assert!(material.unlit && material.base_color == Vec3::ONE);
+    assert!(fail("a.obj", format!("{SQUARE}l 1 5\n")).contains("refers to position 5"));
+    let few =
+        ImportOptions { limits: Limits { vertices: 20, ..Limits::default() }, ..ImportOptions::default() };
+    let e = import_bytes(b"v 0 0 0\nv 1 0 0\nv 2 0 0\n", "a.obj", &few).unwrap_err().to_string();
+    assert!(e.contains("more than 20 vertices"), "{e}");
+}
+
+/// Vertices without faces: balls, lit where they have normals.
+#[test]
+fn ply_clouds() {
+    let head = |normals: &str| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n{normals}property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
+        )
+    };
+    let m = read("a.ply", head("") + "0 0 0 255 0 0\n1 2 2 0 0 255\n");
+    assert_eq!(warnings(&m), Vec::<String>::new());
+    let mesh = &m.scene.meshes[0];
+    assert_eq!((mesh.indices.len(), mesh.positions.len(), mesh.normals.len()), (24, 16, 0));
+    assert_eq!(
+        (mesh.colors[0], mesh.colors[15]),
+        (Vec4::new(1.0, 0.0, 0.0, 1.0), Vec4::new(0.0, 0.0, 1.0, 1.0))
+    );
+    assert!(m.scene.materials[0].unlit && m.scene.materials[0].base_color == Vec3::ONE);
+    for p in &mesh.positions[8..] {
+        assert!((p.distance(Vec3::new(1.0, 2.0, 2.0)) - 3.0 / 1000.0).abs() < 1e-5, "{p}");
+    }
+    let normals = "property float nx\nproperty float ny\nproperty float nz\n";
+    let m = read("a.ply", head(normals) + "0 0 0 0 0 1 255 0 0\n1 2 2 0 0 1 0 0 255\n");
+    assert!(!m.scene.materials[0].unlit && m.scene.materials.len() == 1);
+    assert_eq!(m.scene.meshes[0].normals.len(), 16);
 }
 
 #[test]
@@ -328,7 +385,7 @@ fn ply_faults_name_the_place() {
     assert!(fail("a", text.replace("double", "quad")).contains("line 8: `quad` is no type"));
     assert!(fail("a", text.replace("end_header", "end")).contains("`end` is not known"));
     let cloud = read("a", text.replace("element face 1", "element face 0").replace("9 4 0 1 2 3\n", ""));
-    assert!(cloud.scene.meshes.is_empty() && warnings(&cloud)[0].contains("point cloud"));
+    assert_eq!(cloud.scene.meshes[0].indices.len(), 4 * 12, "a cloud of points");
     // What is announced but not there takes no memory.
     let o = ImportOptions::default();
     let huge = "ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nelement face 18446744073709551615\nend_header\n";

@@ -5,10 +5,11 @@ use crate::assemble::Assembly;
 use crate::error::Fault;
 use crate::limits::Budget;
 use crate::polygon::{Cutter, newell};
+use crate::strokes;
 use crate::warning::Warnings;
 use etendue_color::srgb_decode;
 use etendue_scene::{Instance, Mesh};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use std::collections::HashMap;
 
 /// Builds a mesh per group; `materials` are the scene's numbers of [`Obj::materials`].
@@ -26,11 +27,23 @@ pub(super) fn build_all(
             g.name.clone()
         })?;
         budget.vertices(corners, 400 * corners, || g.name.clone())?;
+        let balls = g.strokes.iter().filter(|[a, b]| a == b).count() as u64;
+        let colors = if obj.colors.is_empty() { 0 } else { 16 };
+        let (vertices, bytes) = strokes::estimate(balls, g.strokes.len() as u64 - balls, 12 + colors);
+        // Beside these the mesh that they are made of.
+        let before = g.strokes.len() as u64 * (12 + 2 * (12 + colors));
+        budget.vertices(vertices, bytes.saturating_add(before), || g.name.clone())?;
     }
     let smooth = smooth_normals(obj);
     let mut cutter = Cutter::default();
     for g in &obj.groups {
-        out.add(mesh(obj, g, &smooth, &mut cutter), g.material.and_then(|m| materials[m as usize]));
+        let material = g.material.and_then(|m| materials[m as usize]);
+        if !g.faces.is_empty() {
+            out.add(mesh(obj, g, &smooth, &mut cutter), material);
+        }
+        if !g.strokes.is_empty() {
+            out.add_strokes(strokes(obj, g), material);
+        }
     }
     if cutter.gave_up {
         warnings.add("", "polygons with very many concave corners; the largest of them are cut into fans");
@@ -115,10 +128,7 @@ fn mesh(obj: &Obj, g: &Group, smooth: &HashMap<(u32, u32), DVec3>, cutter: &mut 
                 continue;
             }
             out.positions.push(obj.positions[c.position as usize]);
-            if let Some(color) = obj.colors.get(c.position as usize) {
-                let [r, g, b] = color.to_array().map(srgb_decode);
-                out.colors.push(glam::Vec4::new(r, g, b, 1.0));
-            }
+            out.colors.extend(obj.colors.get(c.position as usize).map(|c| linear(*c)));
             if has_uvs {
                 let uv = obj.uvs.get(c.uv as usize).copied().unwrap_or(Vec2::Y);
                 // OBJ counts from the bottom.
@@ -142,6 +152,31 @@ fn mesh(obj: &Obj, g: &Group, smooth: &HashMap<(u32, u32), DVec3>, cutter: &mut 
         out.uvs.push(uvs);
     }
     out
+}
+
+/// The lines and points of a group, each once.
+fn strokes(obj: &Obj, g: &Group) -> Mesh {
+    let mut all = g.strokes.clone();
+    all.sort_unstable();
+    all.dedup();
+    let mut out = Mesh { name: g.name.clone(), ..Mesh::default() };
+    for ends in all {
+        let first = out.positions.len() as u32;
+        let count = if ends[0] == ends[1] { 1 } else { 2 };
+        for &v in &ends[..count] {
+            out.positions.push(obj.positions[v as usize]);
+            out.colors.extend(obj.colors.get(v as usize).map(|c| linear(*c)));
+        }
+        let last = first + count as u32 - 1;
+        out.indices.push([first, last, last]);
+    }
+    out
+}
+
+/// A vertex's colour, linear.
+fn linear(color: Vec3) -> Vec4 {
+    let [r, g, b] = color.to_array().map(srgb_decode);
+    Vec4::new(r, g, b, 1.0)
 }
 
 /// A direction for faces without area, which are never hit.

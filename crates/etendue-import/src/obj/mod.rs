@@ -7,7 +7,8 @@
 //!
 //! A face without normals is flat unless a smoothing group (`s 1`) holds it, as the format says. OBJ knows neither units nor
 //! which way is up: one unit is taken as a metre, +Y as up. It does not know either which side of a surface is the outside:
-//! materials are double-sided. Lines, points and free-form surfaces are left out with a warning.
+//! materials are double-sided. Lines and points are shown as tubes and balls, also where a file has nothing but positions; free-form surfaces
+//! are left out with a warning.
 //!
 //! How materials become metal-rough surfaces stands in [`surface`].
 

@@ -24,7 +24,7 @@ pub(super) struct Face {
     pub smoothing: u32,
 }
 
-/// The faces of one object, group and material.
+/// The faces, lines and points of one object, group and material.
 #[derive(Debug, Default)]
 pub(super) struct Group {
     pub name: String,
@@ -32,6 +32,8 @@ pub(super) struct Group {
     pub material: Option<u32>,
     pub faces: Vec<Face>,
     pub corners: Vec<Corner>,
+    /// Ends of lines, as numbers of positions; both are one of a point.
+    pub strokes: Vec<[u32; 2]>,
 }
 
 /// What an OBJ file says.
@@ -83,6 +85,11 @@ pub(super) fn parse(bytes: &[u8], warnings: &mut Warnings) -> Result<Obj, Fault>
     for (line, text) in Lines::new(bytes) {
         p.statement(line, &text, warnings)?;
     }
+    // A file of nothing but positions is a cloud of points.
+    if p.out.groups.is_empty() && !p.out.positions.is_empty() {
+        let g = p.group();
+        p.out.groups[g].strokes = (0..p.out.positions.len() as u32).map(|i| [i, i]).collect();
+    }
     let o = &p.out;
     let have = [o.positions.len(), o.uvs.len(), o.normals.len()];
     for ((what, reach), have) in ["position", "texture coordinate", "normal"].iter().zip(&p.reach).zip(have) {
@@ -124,8 +131,8 @@ impl Parser {
             }
             b"s" => self.smoothing = self.smoothing(rest),
             b"mtllib" => self.out.libraries.push((line, rest.to_vec())),
-            b"l" => warnings.add(at(line), "lines are not supported; left out"),
-            b"p" => warnings.add(at(line), "points are not supported; left out"),
+            b"l" => self.strokes(line, rest, false)?,
+            b"p" => self.strokes(line, rest, true)?,
             // Said by some programs, and without meaning for a picture.
             b"vp" | b"lod" | b"shadow_obj" | b"trace_obj" | b"bevel" | b"c_interp" | b"d_interp" | b"end" => {
             }
@@ -236,6 +243,19 @@ impl Parser {
         Ok(())
     }
 
+    /// A line from corner to corner, or a point at each.
+    fn strokes(&mut self, line: u64, rest: &[u8], points: bool) -> Result<(), Fault> {
+        let g = self.group();
+        let mut last = None;
+        for word in words(rest) {
+            let to = self.corner(line, word)?.position;
+            let from = if points { Some(to) } else { last };
+            self.out.groups[g].strokes.extend(from.map(|from| [from, to]));
+            last = Some(to);
+        }
+        Ok(())
+    }
+
     /// `v`, `v/vt`, `v//vn` or `v/vt/vn`.
     fn corner(&mut self, line: u64, word: &[u8]) -> Result<Corner, Fault> {
         let mut found = [NONE; 3];
@@ -243,7 +263,7 @@ impl Parser {
         let have = [o.positions.len(), o.uvs.len(), o.normals.len()];
         for (k, part) in word.split(|&b| b == b'/').enumerate() {
             let bad = || {
-                let message = format!("`{}` is no corner of a face (v, v/vt, v//vn or v/vt/vn)", shown(word));
+                let message = format!("`{}` is no corner (v, v/vt, v//vn or v/vt/vn)", shown(word));
                 Fault::line(line, message)
             };
             if k > 2 || (part.is_empty() && k == 0) {

@@ -27,6 +27,11 @@ pub(super) struct Faces {
 }
 
 impl Faces {
+    /// True if there are no faces and no strips.
+    pub fn is_empty(&self) -> bool {
+        self.lengths.is_empty() && self.strips.is_empty()
+    }
+
     pub fn has_uvs(&self) -> bool {
         !self.uvs.is_empty()
     }

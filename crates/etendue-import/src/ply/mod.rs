@@ -6,6 +6,8 @@
 //! `TextureFile NAME`. Triangle strips (`tristrips`). Other elements and properties are passed over, with a warning where
 //! they would be seen.
 //!
+//! Vertices without any faces are a cloud of points, shown as balls.
+//!
 //! Without normals faces are flat: the format has no other word on it. It knows neither units nor which way is up: one
 //! unit is taken as a metre, +Y as up; surfaces are seen from both sides.
 
@@ -20,6 +22,7 @@ use crate::import::{ImportOptions, Imported};
 use crate::limits::Budget;
 use crate::obj::library;
 use crate::source::Source;
+use crate::strokes;
 use crate::texture::Decoded;
 use crate::warning::Warnings;
 use etendue_scene::{Sampler, TextureRef};
@@ -63,13 +66,15 @@ pub(crate) fn read(
     };
     let (uvs, colors) = (!points.uvs.is_empty() || soup.has_uvs(), !points.colors.is_empty());
     let count = points.positions.len();
-    let mesh = soup.mesh(points, &mut budget, &mut warnings)?;
-    if mesh.indices.is_empty() && count > 0 {
-        warnings.add(
-            "",
-            format!("{count} points without faces: a point cloud has no surface that could be shown"),
-        );
-    }
+    // Without faces it is a cloud of points.
+    let cloud = soup.is_empty();
+    let mesh = if cloud {
+        let (vertices, bytes) = strokes::estimate(count as u64, 0, points.bytes_each());
+        budget.vertices(vertices, bytes.saturating_add(12 * count as u64), || "element vertex".into())?;
+        points.cloud()
+    } else {
+        soup.mesh(points, &mut budget, &mut warnings)?
+    };
     let mut out = Assembly::default();
     let mut external = 0;
     let picture = header.texture.as_deref().filter(|_| uvs);
@@ -90,8 +95,14 @@ pub(crate) fn read(
     if colors || material.base_color_texture.is_some() {
         material.base_color = Vec3::ONE;
     }
-    out.materials.push(material);
-    out.add(mesh, Some(0));
+    if cloud {
+        material.unlit = mesh.normals.is_empty();
+        out.materials.push(material);
+        out.add_strokes(mesh, Some(0));
+    } else {
+        out.materials.push(material);
+        out.add(mesh, Some(0));
+    }
     let format = match header.encoding {
         Encoding::Text => "PLY (text)",
         Encoding::Little => "PLY (binary, little-endian)",

@@ -6,6 +6,7 @@ use crate::error::Fault;
 use crate::limits::Budget;
 use crate::warning::Warnings;
 use etendue_color::srgb_decode;
+use etendue_scene::Mesh;
 use glam::{Vec2, Vec3, Vec4};
 
 /// Vertices as the file has them; each list is empty or as long as `positions`.
@@ -15,6 +16,28 @@ pub(super) struct Vertices {
     pub normals: Vec<Vec3>,
     pub uvs: Vec<Vec2>,
     pub colors: Vec<Vec4>,
+}
+
+impl Vertices {
+    /// Bytes of one vertex.
+    pub fn bytes_each(&self) -> u64 {
+        let part = |empty: bool, bytes| if empty { 0 } else { bytes };
+        12 + part(self.normals.is_empty(), 12)
+            + part(self.uvs.is_empty(), 8)
+            + part(self.colors.is_empty(), 16)
+    }
+
+    /// Each of them as a point.
+    pub fn cloud(self) -> Mesh {
+        Mesh {
+            indices: (0..self.positions.len() as u32).map(|i| [i; 3]).collect(),
+            positions: self.positions,
+            normals: self.normals,
+            uvs: if self.uvs.is_empty() { Vec::new() } else { vec![self.uvs] },
+            colors: self.colors,
+            ..Mesh::default()
+        }
+    }
 }
 
 /// What a number of a vertex is: one of x y z, nx ny nz, u v, r g b a.

@@ -9,7 +9,7 @@ fn lab() -> Lab {
     lab.write("m.obj", OBJ);
     lab.write("m.mtl", "newmtl red\nKd 1 0 0\n");
     lab.write("bad.obj", "v 0 0 0\nf 1 2 3\n");
-    lab.write("odd.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 3\n");
+    lab.write("odd.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nbend 1 2\nf 1 2 3\n");
     let (ply, stl) = (
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
         "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid s\n",
@@ -100,7 +100,7 @@ fn checking_ends_with_three_if_a_model_does_not_load() {
     assert!(run.out.contains("4 ok, 0 with warnings, 0 with errors"), "{}", run.out);
     let run = lab.run("check m.obj bad.obj odd.obj none.glb").ends_with(3);
     assert!(run.out.contains("bad.obj: error: line 2: refers to position 3"), "{}", run.out);
-    assert!(run.out.contains("odd.obj: warnings: line 4: lines are not supported"), "{}", run.out);
+    assert!(run.out.contains("odd.obj: warnings: line 4: `bend` is no statement"), "{}", run.out);
     assert!(run.out.contains("1 ok, 1 with warnings, 2 with errors"), "{}", run.out);
     lab.run("check odd.obj").ends_with(0);
     lab.run("check odd.obj --strict").ends_with(3);
