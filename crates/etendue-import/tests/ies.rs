@@ -79,6 +79,11 @@ fn symmetries_are_unfolded() {
     for (h, want) in [(90.0, 10.0), (135.0, 11.0), (45.0, 11.0), (180.0, 12.0), (0.0, 12.0), (270.0, 13.0)] {
         near(&other_half, 90.0, h, want);
     }
+    // One about 90 and 270 without a plane between them at 180 is closed, too.
+    let beside = of(&[90.0, 170.0, 270.0]);
+    for (h, want) in [(10.0, 11.0), (170.0, 11.0), (270.0, 12.0), (350.0, 11.2), (0.0, 11.1)] {
+        near(&beside, 90.0, h, want);
+    }
     // Without a plane at 360 the first one closes the round.
     let open = of(&[0.0, 90.0, 180.0, 270.0]);
     near(&open, 90.0, 315.0, 11.5);
@@ -86,6 +91,14 @@ fn symmetries_are_unfolded() {
     let turned = of(&[45.0, 135.0, 225.0, 315.0]);
     near(&turned, 90.0, 0.0, 11.5);
     near(&turned, 90.0, 45.0, 10.0);
+    // Angles below 0 and above 360 are those a turn away.
+    for angles in [[-90.0, 0.0, 90.0, 180.0], [270.0, 360.0, 450.0, 540.0]] {
+        let around = of(&angles);
+        for (h, want) in [(270.0, 10.0), (0.0, 11.0), (90.0, 12.0), (180.0, 13.0), (45.0, 11.5)] {
+            near(&around, 90.0, h, want);
+        }
+        assert_eq!((around.horizontal()[0], around.horizontal().last()), (0.0, Some(&360.0)));
+    }
 }
 
 #[test]

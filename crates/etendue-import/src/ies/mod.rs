@@ -190,7 +190,6 @@ fn unfold(
     candela: Vec<f32>,
     notes: &mut Vec<String>,
 ) -> (Vec<f32>, Vec<f32>) {
-    let (first, last) = (horizontal[0], horizontal[horizontal.len() - 1]);
     let mut planes: Vec<(f32, &[f32])> = horizontal.iter().copied().zip(candela.chunks_exact(rows)).collect();
     if planes.len() == 1 {
         // The same all around: where it stands does not count.
@@ -199,6 +198,13 @@ fn unfold(
     if !horizontal.is_sorted_by(|a, b| a < b) {
         return (horizontal, candela);
     }
+    if web == Web::C && planes.iter().any(|p| !(0.0..=360.0).contains(&p.0)) {
+        notes.push("horizontal angles outside of 0 to 360 are taken around".to_owned());
+        planes.iter_mut().for_each(|p| p.0 = p.0.rem_euclid(360.0));
+        planes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        planes.dedup_by(|a, b| a.0 == b.0);
+    }
+    let (first, last) = (planes[0].0, planes[planes.len() - 1].0);
     // The planes mirrored at `angle`, but those that meet themselves.
     let mirror = |planes: &mut Vec<(f32, &[f32])>, angle: f32| {
         let more: Vec<_> = planes.iter().filter(|p| p.0 != angle).map(|p| (2.0 * angle - p.0, p.1)).collect();
@@ -212,23 +218,19 @@ fn unfold(
             // About the plane of 90 and 270 degrees (1995): 80 is as 100, 280 as 260.
             let more: Vec<_> = planes.iter().map(|p| ((540.0 - p.0) % 360.0, p.1)).collect();
             planes.extend(more.into_iter().filter(|m| !(90.0..=270.0).contains(&m.0)));
-            if let Some(p) = planes.iter().find(|p| p.0 == 180.0).map(|p| p.1) {
-                planes.push((0.0, p));
-                planes.push((360.0, p));
-            }
         } else if first == 0.0 && (last == 90.0 || last == 180.0) {
             mirror(&mut planes, 180.0);
-        } else if last < 360.0 || first > 0.0 {
-            // All around without saying so: the gap is closed.
-            let (a, b) = (planes[0], planes[planes.len() - 1]);
-            if first > 0.0 {
-                planes.push((b.0 - 360.0, b.1));
-            }
+        } else if last < 180.0 || first > 0.0 {
+            notes.push(format!("horizontal angles from {first} to {last}: the rest is filled in between"));
+        }
+        // All around without saying so: the gap is closed.
+        planes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (a, b) = (planes[0], planes[planes.len() - 1]);
+        if a.0 > 0.0 {
+            planes.push((b.0 - 360.0, b.1));
+        }
+        if a.0 > 0.0 || b.0 < 360.0 {
             planes.push((a.0 + 360.0, a.1));
-            if last < 180.0 || first > 0.0 {
-                notes
-                    .push(format!("horizontal angles from {first} to {last}: the rest is filled in between"));
-            }
         }
     } else if first == 0.0 {
         mirror(&mut planes, 0.0);
