@@ -1,8 +1,9 @@
 //! Light that is scattered in a body, as a plate of the same thickness shows it to a point of its surface.
 //!
-//! Kubelka and Munk's two streams ("Ein Beitrag zur Optik der Farbanstriche", 1931; in the closed form of Kubelka 1948, "New
-//! Contributions to the Optics of Intensely Light-Scattering Materials", equations 18 and 24) between two boundaries that reflect
-//! light from inside (Saunderson 1942). A path follows the body's real form; a rasteriser does not know it. The deep plate returns the
+//! Kubelka and Munk's two streams ("Ein Beitrag zur Optik der Farbanstriche", 1931; closed forms: Kubelka 1948, "New Contributions
+//! to the Optics of Intensely Light-Scattering Materials") between two boundaries that reflect light from inside (Saunderson 1942).
+//! With R∞ the colour and x = ½ S d (1 − R∞²) / R∞ a plate returns R∞ (1 − e⁻²ˣ) / (1 − R∞² e⁻²ˣ) and lets through
+//! (1 − R∞²) e⁻ˣ / (1 − R∞² e⁻²ˣ); S d is ¾ of the optical thickness of scattering. A path follows the body's real form; a rasteriser does not know it. The deep plate returns the
 //! colour that the extension names, as a deep body does.
 
 /// The part of diffuse light from inside that a boundary of an index (≥ 1) reflects: 1 − (1 − F) / n², F being what it reflects of

@@ -95,8 +95,7 @@ impl Passing {
             let optical = self.absorption[lane] * self.thickness;
             let scattering = optical * scatter.albedo[lane] * (1.0 - scatter.anisotropy);
             let [near, far] = plate(color, scattering, k);
-            // What is not scattered is seen through the body.
-            // What comes out has passed the surface's colour twice.
+            // What comes out has passed the surface's colour twice; what is not scattered is seen through the body.
             let tint = unit(p.base_color[lane]) * unit(p.base_color[lane]);
             [out[0][lane], out[1][lane]] = [near * tint, (far - (-optical).exp()).max(0.0) * tint];
         }
